@@ -1,0 +1,103 @@
+#include "flags.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <cstdint>
+
+#include "base/error.h"
+#include "base/text.h"
+
+namespace etendue::flags {
+namespace {
+
+[[noreturn]] void reject(std::string_view flag, std::string_view needed, std::string_view word) {
+  throw Error(Failure::usage, fmt::format("{} needs {}, not \"{}\"", flag, needed, word));
+}
+
+template <typename T>
+std::optional<T> whole_word_as(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  T value{};
+  const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (status != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+template <typename T>
+std::string describe(Range<T> range) {
+  const std::string kind = std::is_integral_v<T> ? "a whole number" : "a number";
+  const bool has_min = range.min > std::numeric_limits<T>::lowest(),
+             has_max = range.max < std::numeric_limits<T>::max();
+  if (has_min && has_max) return fmt::format("{} from {} to {}", kind, range.min, range.max);
+  if (has_min) return fmt::format("{} of at least {}", kind, range.min);
+  return kind;
+}
+
+}  // namespace
+
+CLI::Option* add(CLI::App& app, const std::string& names, std::vector<std::string> metavars, const std::string& help,
+                 std::function<void(std::span<const std::string>)> set) {
+  const int count = static_cast<int>(metavars.size());
+  return app
+      .add_option(
+          names,
+          [set = std::move(set)](const CLI::results_t& words) {
+            set(words);
+            return true;
+          },
+          help)
+      ->type_name(fmt::format("{}", fmt::join(metavars, " ")))
+      ->type_size(count)
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+template <typename T>
+T parse_number(std::string_view flag, std::string_view word, Range<T> range) {
+  const std::optional<T> value = whole_word_as<T>(word);
+  if (!value || !(*value >= range.min && *value <= range.max)) reject(flag, describe(range), word);
+  return *value;
+}
+template int parse_number(std::string_view, std::string_view, Range<int>);
+template std::uint64_t parse_number(std::string_view, std::string_view, Range<std::uint64_t>);
+template float parse_number(std::string_view, std::string_view, Range<float>);
+template double parse_number(std::string_view, std::string_view, Range<double>);
+
+double parse_duration(std::string_view flag, std::string_view word) {
+  static constexpr std::pair<std::string_view, double> kUnits[] = {{"ms", 0.001}, {"s", 1}, {"m", 60}, {"h", 3600}};
+  std::string_view number = word;
+  double unit_seconds = 1;
+  for (const auto& [unit, seconds] : kUnits)
+    if (word.ends_with(unit)) {
+      number = word.substr(0, word.size() - unit.size());
+      unit_seconds = seconds;
+      break;
+    }
+  const std::optional<double> value = whole_word_as<double>(number);
+  if (!value || !(*value > 0 && *value * unit_seconds < 1e9)) reject(flag, "a time such as 30s, 2m or 1h", word);
+  return *value * unit_seconds;
+}
+
+void reject_choice(std::string_view flag, std::string_view word, std::span<const std::string_view> choices) {
+  const auto nearest = nearest_word(word, choices);
+  throw Error(Failure::usage, fmt::format("{} needs one of {}, not \"{}\"{}", flag, fmt::join(choices, ", "), word,
+                                          nearest ? fmt::format("; did you mean {}?", *nearest) : ""));
+}
+
+std::string long_name(const std::string& names) {
+  return names.substr(names.rfind(',') + 1);
+}
+
+template <typename Target>
+CLI::Option* file(CLI::App& app, const std::string& names, Target& target, const std::string& help) {
+  return add(app, names, {"FILE"}, help, [&target, flag = long_name(names)](auto words) {
+    if (words[0].empty()) reject(flag, "the name of a file", "");
+    target = std::filesystem::path(words[0]);
+  });
+}
+template CLI::Option* file(CLI::App&, const std::string&, std::filesystem::path&, const std::string&);
+template CLI::Option* file(CLI::App&, const std::string&, std::optional<std::filesystem::path>&, const std::string&);
+
+}  // namespace etendue::flags

@@ -1,0 +1,232 @@
+#include "options.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "flags.h"
+#include "formats/formats.h"
+#include "render_options.h"
+
+namespace etendue {
+namespace {
+
+constexpr const char* kExitCodes =
+    "Exit codes:\n"
+    "  0    done\n"
+    "  1    internal error: please report it\n"
+    "  2    the command line is wrong\n"
+    "  3    an input file is missing or wrong\n"
+    "  4    an output file cannot be written\n"
+    "  5    diff: the error is above --fail-above\n"
+    "  130  interrupted; what was rendered so far is written";
+
+/// CLI11's help with usage lines of our own and descriptions broken into lines.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_usage(const CLI::App* app, std::string name) const override {
+    const std::string arguments = app->get_name() == "render"   ? "SCENE -o FILE [OPTIONS]"
+                                  : app->get_name() == "info"   ? "SCENE [OPTIONS]"
+                                  : app->get_name() == "envmap" ? "FILE [OPTIONS]"
+                                  : app->get_name() == "diff"   ? "A B [OPTIONS]"
+                                                                : "COMMAND [OPTIONS]";
+    return fmt::format("\nUsage: {} {}\n\n", name, arguments);
+  }
+
+  std::string make_group(std::string group, bool positionals, std::vector<const CLI::Option*> options) const override {
+    return CLI::Formatter::make_group(group, positionals, options).substr(1);  // CLI11 puts two empty lines before it
+  }
+
+  std::string make_positionals(const CLI::App*) const override { return {}; }  // the usage line names them
+
+  std::string make_option_desc(const CLI::Option* option) const override {
+    static constexpr std::size_t kWidth = 70;
+    std::string text = option->get_description();
+    for (std::size_t begin = 0; text.size() - begin > kWidth;) {
+      const std::size_t space = text.rfind(' ', begin + kWidth);
+      if (space == std::string::npos || space <= begin) break;
+      text[space] = '\n';
+      begin = space + 1;
+    }
+    return text;
+  }
+};
+
+/// All commands, and where their words go.
+struct Parser {
+  Parser();
+  CLI::App* add_command(const std::string& name, const std::string& help);
+
+  CLI::App app{"Etendue renders scenes with physically based light transport."};
+  bool quiet = false, verbose = false, version = false;
+  RenderFlags render_flags;
+  InfoOptions info_options;
+  EnvmapOptions envmap_options;
+  DiffOptions diff_options;
+  CLI::App *render, *info, *envmap, *diff;
+};
+
+CLI::App* Parser::add_command(const std::string& name, const std::string& help) {
+  CLI::App* command = app.add_subcommand(name, help);
+  command->allow_extras();
+  command->add_flag("-q,--quiet", quiet, "Print errors only")->group("Messages");
+  command->add_flag("-v,--verbose", verbose, "Print more")->group("Messages");
+  command->footer(kExitCodes);
+  return command;
+}
+
+Parser::Parser() {
+  app.name("etendue");
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.require_subcommand(0, 1);
+  app.allow_extras();
+  app.add_flag("--version", version, "Print the version and exit");
+  app.footer(std::string("etendue COMMAND --help explains a command's options.\n\n") + kExitCodes);
+
+  render = add_command("render", "Render a picture of a scene");
+  add_render_flags(*render, render_flags);
+
+  info = add_command("info", "Say what a scene file holds");
+  info->add_option("SCENE", info_options.scene, "The scene file");
+  info->add_flag("--json", info_options.json, "As JSON");
+
+  envmap = add_command("envmap", "Say what light an environment map holds");
+  envmap->add_option("FILE", envmap_options.file, "The latitude-longitude map");
+  flags::file(*envmap, "--debug", envmap_options.debug,
+              "Write the cumulative distributions: red of the rows, green of the columns in their row");
+  flags::file(*envmap, "--pdf", envmap_options.pdf, "Write the sampling density per steradian (.exr)");
+
+  diff = add_command("diff", "Compare two pictures");
+  diff->add_option("A", diff_options.a, "The picture");
+  diff->add_option("B", diff_options.b, "The picture it is measured against");
+  diff->add_flag("--variance", diff_options.variance, "Weigh the differences by the pictures' own variances");
+  flags::file(*diff, "--heatmap", diff_options.heatmap, "Write where they differ (.png)");
+  flags::number(*diff, "--fail-above", diff_options.fail_above, flags::Range{0.0, 1e30}, "RELMSE",
+                "Exit with 5 if the relative mean squared error is above this");
+}
+
+[[noreturn]] void fail(const std::string& message) {
+  throw Error(Failure::usage, message);
+}
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
+  const std::vector<std::string_view> views(candidates.begin(), candidates.end());
+  const auto nearest = nearest_word(word, views);
+  return nearest ? fmt::format("; did you mean {}?", *nearest) : "";
+}
+
+[[noreturn]] void reject_option(const CLI::App& command, std::string_view word) {
+  const std::string_view name = word.substr(0, word.find('='));
+  std::vector<std::string> candidates;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& long_name : option->get_lnames()) candidates.push_back("--" + long_name);
+  fail(fmt::format("unknown option {}{}", name,
+                   name.starts_with("--") ? did_you_mean(name, candidates)
+                                          : fmt::format("; see etendue {} --help", command.get_name())));
+}
+
+/// Words that no option or positional of the command took.
+void reject_remaining(const CLI::App& command) {
+  const std::vector<std::string> words = command.remaining();
+  for (const std::string& word : words)
+    if (word.size() > 1 && word.starts_with('-')) reject_option(command, word);
+  if (!words.empty()) fail(fmt::format("\"{}\" is one argument too many for etendue {}", words[0], command.get_name()));
+}
+
+bool looks_like_scene(const std::filesystem::path& word) {
+  std::string extension = word.extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::ranges::any_of(scene_formats(), [&](const SceneFormat& format) {
+    return std::ranges::find(format.extensions, extension) != format.extensions.end();
+  });
+}
+
+[[noreturn]] void reject_missing_command(const CLI::App& app) {
+  const std::vector<std::string> words = app.remaining();
+  if (words.empty()) fail("no command given: render, info, envmap or diff; see etendue --help");
+  std::vector<std::string> commands;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    commands.push_back(command->get_name());
+  const std::string hint = did_you_mean(words[0], commands);
+  if (!hint.empty()) fail(fmt::format("unknown command \"{}\"{}", words[0], hint));
+  const auto scene = std::ranges::find_if(words, looks_like_scene);
+  if (scene != words.end()) fail(fmt::format("no command given; did you mean etendue render {}?", *scene));
+  if (words[0].starts_with('-')) reject_option(app, words[0]);
+  fail(fmt::format("unknown command \"{}\"; see etendue --help", words[0]));
+}
+
+/// An option that lacks some of its words: "--resolution needs W H".
+std::string missing_words(const Parser& parser, const std::string& cli11_message) {
+  const std::string name = cli11_message.substr(0, cli11_message.find(':'));
+  for (const CLI::App* command : parser.app.get_subcommands())
+    if (const CLI::Option* option = command->get_option_no_throw(name))
+      return fmt::format("{} needs {}", name, option->get_type_name());
+  return cli11_message;
+}
+
+/// As a shell would take it.
+std::string quoted(std::string_view word) {
+  if (!word.empty() && word.find_first_of(" \t\n\"'\\$&;|<>()*?[]#~`!{}") == std::string_view::npos)
+    return std::string(word);
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+std::string joined(int argc, const char* const* argv) {
+  std::string text = "etendue";
+  for (int i = 1; i < argc; ++i) text += " " + quoted(argv[i]);
+  return text;
+}
+
+void require(bool given, const char* message) {
+  if (!given) fail(message);
+}
+
+CommandLine parsed(const Parser& p, std::string command_line) {
+  if (p.version) return {LogLevel::normal, PrintText{"etendue " ETENDUE_VERSION "\n"}};
+  if (p.app.get_subcommands().empty()) reject_missing_command(p.app);
+  const CLI::App* command = p.app.get_subcommands().front();
+  reject_remaining(*command);
+  if (p.quiet && p.verbose) fail("--quiet and --verbose contradict each other; give one of them");
+
+  CommandLine line;
+  line.log_level = p.quiet ? LogLevel::quiet : p.verbose ? LogLevel::verbose : LogLevel::normal;
+  if (command == p.render) {
+    RenderOptions options = settled(p.render_flags);
+    options.command_line = std::move(command_line);
+    options.quiet = p.quiet;
+    line.command = std::move(options);
+  } else if (command == p.info) {
+    require(!p.info_options.scene.empty(), "info needs a scene: etendue info SCENE");
+    line.command = p.info_options;
+  } else if (command == p.envmap) {
+    require(!p.envmap_options.file.empty(), "envmap needs a map: etendue envmap FILE");
+    line.command = p.envmap_options;
+  } else {
+    require(!p.diff_options.b.empty(), "diff needs two pictures: etendue diff A B");
+    line.command = p.diff_options;
+  }
+  return line;
+}
+
+}  // namespace
+
+CommandLine parse_command_line(int argc, const char* const* argv) {
+  Parser parser;
+  try {
+    parser.app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return {LogLevel::normal, PrintText{parser.app.help()}};
+  } catch (const CLI::ArgumentMismatch& error) {
+    fail(missing_words(parser, error.what()));
+  } catch (const CLI::ParseError& error) {
+    fail(error.what());
+  }
+  return parsed(parser, joined(argc, argv));
+}
+
+}  // namespace etendue

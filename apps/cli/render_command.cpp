@@ -1,0 +1,216 @@
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <ctime>
+#include <set>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "camera/settings_file.h"
+#include "commands.h"
+#include "image/io.h"
+#include "image/output_file.h"
+#include "interrupt.h"
+#include "render/session.h"
+#include "render_loop.h"
+#include "render_setup.h"
+#include "scene_loading.h"
+#include "stats.h"
+#include "terminal.h"
+
+namespace etendue {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::string utc_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
+/// "out.exr" → "out_rate.png"
+fs::path rate_picture_path(const fs::path& output) {
+  return output.parent_path() / (output.stem().string() + "_rate.png");
+}
+
+/// Everything that can be known to fail before the long work.
+void check_files(const RenderOptions& options) {
+  for (const fs::path& output : options.outputs) {
+    check_writable(output);
+    if (options.settings.adaptive) check_writable(rate_picture_path(output));
+  }
+  if (options.save_camera) check_file_writable(*options.save_camera);
+  if (options.stats) check_file_writable(*options.stats);
+  if (options.preview && !terminal_size())
+    throw Error(Failure::usage, "--preview needs a terminal, and standard error is none; leave it out");
+}
+
+bool needs_light(IntegratorKind integrator) {
+  return integrator == IntegratorKind::path || integrator == IntegratorKind::direct ||
+         integrator == IntegratorKind::hemisphere;
+}
+
+/// "1 light", "2 lights"
+std::string counted(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+std::string_view describe(Ending ending) {
+  switch (ending) {
+    case Ending::complete:
+      return "complete";
+    case Ending::time_limit:
+      return "time limit";
+    case Ending::noise_reached:
+      return "noise reached";
+    case Ending::interrupted:
+      break;
+  }
+  return "interrupted";
+}
+
+Picture labelled(Picture picture, const RenderOptions& options, const RenderStats& stats) {
+  auto& metadata = picture.metadata;
+  metadata["scene"] = stats.scene;
+  metadata["settings"] = options.command_line;
+  metadata["version"] = ETENDUE_VERSION;
+  metadata["seed"] = std::to_string(stats.seed);
+  metadata["time"] = utc_now();
+  metadata["render_seconds"] = fmt::format("{:.3f}", stats.render_seconds);
+  metadata["samples_per_pixel"] = fmt::format("{:.6g}", stats.samples_per_pixel);
+  return picture;
+}
+
+/// Writes all that can be written; the first failure is thrown at the end.
+void write_outputs(const RenderOptions& options, const RenderSession& session, const RenderStats& stats) {
+  const Picture picture = labelled(session.snapshot(), options, stats);
+  std::exception_ptr failure;
+  const auto attempt = [&](auto write) {
+    try {
+      write();
+    } catch (const Error& error) {
+      if (failure)
+        log_error(fmt::format("error: {}", error.what()));
+      else
+        failure = std::current_exception();
+    }
+  };
+  for (const fs::path& output : options.outputs)
+    attempt([&] { write_picture(output, picture, {options.exposure_stops}); });
+  if (options.settings.adaptive) {
+    const Picture rate{session.sample_rate_picture(), {}, {}};
+    std::set<fs::path> paths;
+    for (const fs::path& output : options.outputs) paths.insert(rate_picture_path(output));
+    for (const fs::path& path : paths) attempt([&] { write_picture(path, rate); });
+  }
+  if (options.stats) attempt([&] { write_stats(*options.stats, stats); });
+  if (failure) std::rethrow_exception(failure);
+}
+
+void tell_invalid_samples(const RenderProgress& progress) {
+  if (progress.invalid_samples == 0) return;
+  log_warning(
+      fmt::format("warning: {} samples were infinite, negative or no number and were left out (the first: {}); "
+                  "please report the scene",
+                  progress.invalid_samples, progress.first_invalid));
+}
+
+void tell_ending(Ending ending, const RenderOptions& options, const RenderStats& stats) {
+  if (ending == Ending::interrupted) {
+    const int wanted = options.settings.samples_per_pixel;
+    log_warning(fmt::format("interrupted at {:.3g}{} samples{}", stats.samples_per_pixel,
+                            wanted < kMostSamplesPerPixel ? fmt::format(" of {}", wanted) : "",
+                            options.outputs.empty() ? "" : "; picture written"));
+  }
+  std::string outputs;
+  for (const fs::path& output : options.outputs) outputs += (outputs.empty() ? "" : ", ") + output.string();
+  log_info(fmt::format("{}: {} x {}, {:.4g} samples a pixel, noise {}, in {} ({}rays/s)", describe(ending), stats.width,
+                       stats.height, stats.samples_per_pixel, describe_noise(stats.noise),
+                       as_duration(stats.render_seconds),
+                       with_magnitude(static_cast<double>(stats.rays) / std::max(stats.render_seconds, 1e-9))));
+  if (!outputs.empty()) log_info(fmt::format("wrote {}", outputs));
+  log_debug(fmt::format("{} of processor time for rendering, at most {}B of memory", as_duration(stats.cpu_seconds),
+                        with_magnitude(static_cast<double>(peak_memory_bytes()))));
+}
+
+RenderStats initial_stats(const RenderOptions& options) {
+  const RenderSettings& s = options.settings;
+  RenderStats stats;
+  stats.scene = options.scene.string();
+  stats.threads = options.threads > 0 ? options.threads : hardware_threads();
+  stats.width = s.crop ? s.crop->width : s.width;
+  stats.height = s.crop ? s.crop->height : s.height;
+  stats.seed = s.seed;
+  return stats;
+}
+
+void add_progress(RenderStats& stats, const RenderProgress& progress) {
+  stats.render_seconds = progress.render_seconds;
+  stats.rays = progress.rays;
+  stats.invalid_samples = progress.invalid_samples;
+  stats.noise = progress.noise;
+  stats.samples_per_pixel =
+      static_cast<double>(progress.samples_done) / (static_cast<double>(stats.width) * stats.height);
+}
+
+}  // namespace
+
+int run(const RenderOptions& options) {
+  check_files(options);
+  const ThreadLimit thread_limit(options.threads);
+  RenderStats stats = initial_stats(options);
+
+  Diagnostics diagnostics;
+  DiagnosticsPrinter printer(diagnostics);
+  const Clock::time_point load_start = Clock::now();
+  scene::SceneDescription description = read_description(options, diagnostics);
+  stats.load_seconds = seconds_since(load_start);
+  printer.print();
+
+  const PreparedScene prepared = prepare_scene(options, description, diagnostics);
+  printer.print();
+  const RenderScene& scene = prepared.scene;
+  stats.build_seconds = scene.build_seconds();
+  stats.triangles = scene.triangle_count();
+  stats.spheres = scene.sphere_count();
+  stats.lights = scene.light_count();
+  log_debug(
+      fmt::format("read in {}, compiled in {}", as_duration(stats.load_seconds), as_duration(stats.build_seconds)));
+  if (needs_light(options.settings.integrator) && !has_light(description))
+    log_warning("warning: nothing in the scene shines, the picture will be black; add --env FILE or --headlight");
+  description = {};
+
+  const Camera camera = with_lens(prepared.camera, options, scene);
+  if (options.save_camera)
+    write_camera_settings(*options.save_camera, camera, turning_point(camera, scene.bounds()), options.settings.width,
+                          options.settings.height);
+
+  RenderSession session(scene, camera, options.settings);
+  const bool on_terminal = terminal_size().has_value();
+  if (!on_terminal)
+    log_info(fmt::format("rendering {}: {}, {}, {}, {} x {}, {}", stats.scene, counted(stats.triangles, "triangle"),
+                         counted(stats.spheres, "sphere"), counted(stats.lights, "light"), stats.width, stats.height,
+                         counted(static_cast<std::size_t>(stats.threads), "thread")));
+  catch_interrupts();
+  const double cpu_start = process_cpu_seconds();
+  const Ending ending =
+      run_render(session, std::int64_t{stats.width} * stats.height, {options.time_limit_seconds, options.noise_target},
+                 {on_terminal && !options.quiet, options.preview, {options.exposure_stops}});
+  stats.cpu_seconds = process_cpu_seconds() - cpu_start;
+  stats.ending = describe(ending);
+  const RenderProgress progress = session.progress();
+  add_progress(stats, progress);
+
+  tell_invalid_samples(progress);
+  write_outputs(options, session, stats);
+  tell_ending(ending, options, stats);
+  return ending == Ending::interrupted ? kInterruptedExitCode : 0;
+}
+
+}  // namespace etendue

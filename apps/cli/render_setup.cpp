@@ -1,0 +1,90 @@
+#include "render_setup.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "camera/settings_file.h"
+#include "formats/formats.h"
+
+namespace etendue {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Where the camera stands, before its lens.
+Camera placed_camera(const RenderOptions& options, const scene::SceneDescription& description, const Bounds3& bounds,
+                     Diagnostics& diagnostics) {
+  const auto& [width, height] = std::pair(options.settings.width, options.settings.height);
+  if (options.camera_file) return read_camera_settings(*options.camera_file, width, height);
+  return place_camera(description, bounds, options.placement, width, height, diagnostics);
+}
+
+/// A light at the camera under which white surfaces at the distance of the scene's centre look white.
+scene::Light headlight(const Camera& camera, const Bounds3& bounds) {
+  const float distance = std::max(length(bounds.center() - camera.to_world.origin), bounds.diagonal() / 2);
+  const Spectrum intensity(kPi * distance * distance);
+  return {"headlight", scene::PointLight{intensity}, Transform::translation(camera.to_world.origin), {}};
+}
+
+}  // namespace
+
+scene::SceneDescription read_description(const RenderOptions& options, Diagnostics& diagnostics) {
+  scene::SceneDescription description = read_scene(options.scene, diagnostics);
+  if (options.environment) {
+    std::error_code failure;
+    if (!fs::exists(options.environment->file, failure))
+      throw Error(Failure::input, fmt::format("there is no environment map {}", options.environment->file.string()));
+    description.lights.push_back({"environment", *options.environment, {}, {}});
+  }
+  return description;
+}
+
+PreparedScene prepare_scene(const RenderOptions& options, scene::SceneDescription& description,
+                            Diagnostics& diagnostics) {
+  if (options.headlight) {  // it stands at the camera, which is placed by the scene's bounds
+    Diagnostics told_below;
+    const Bounds3 bounds = compile(description, options.compile, told_below).bounds();
+    description.lights.push_back(headlight(placed_camera(options, description, bounds, told_below), bounds));
+  }
+  RenderScene scene = compile(description, options.compile, diagnostics);
+  Camera camera = placed_camera(options, description, scene.bounds(), diagnostics);
+  return {std::move(scene), camera};
+}
+
+Camera with_lens(Camera camera, const RenderOptions& options, const RenderScene& scene) {
+  camera.lens_radius = options.lens_radius.value_or(camera.lens_radius);
+  camera.blades = options.blades;
+  camera.blade_rotation = radians(options.blade_rotation_deg);
+  if (options.focal_distance) {
+    camera.focal_distance = *options.focal_distance;
+  } else if (options.focus_at) {
+    const auto [x, y] = *options.focus_at;
+    const auto depth = scene.depth_at(camera, x, y, options.settings.width, options.settings.height);
+    if (!depth)
+      throw Error(
+          Failure::usage,
+          fmt::format("--focus-at {},{} shows no surface; choose a pixel that does, or give --focal-distance", x, y));
+    camera.focal_distance = *depth;
+    log_info(fmt::format("focus: {:.4g}, what pixel {},{} shows", *depth, x, y));
+  } else if (camera.lens_radius > 0 && !options.camera_file) {
+    const float depth = project(camera, scene.bounds().center()).distance;
+    if (depth <= 0)
+      throw Error(Failure::usage,
+                  "the scene's centre is behind the camera: a lens needs --focal-distance or --focus-at");
+    camera.focal_distance = depth;
+    log_info(fmt::format("focus: {:.4g}, the scene's centre (--focal-distance or --focus-at choose another)", depth));
+  }
+  if (camera.lens_radius == 0 && (options.focal_distance || options.focus_at || options.blades > 0))
+    log_warning("warning: a pinhole has everything in focus; give --lens-radius as well");
+  return camera;
+}
+
+Point3 turning_point(const Camera& camera, const Bounds3& bounds) {
+  const float distance = std::max(project(camera, bounds.center()).distance, 0.01f * bounds.diagonal());
+  return camera.to_world.origin - camera.to_world.z * distance;
+}
+
+}  // namespace etendue

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "base/diagnostics.h"
+#include "scene/scene.h"
+
+namespace etendue {
+
+/// Prints what has been collected since the last call, in order; errors are left to whoever catches them.
+class DiagnosticsPrinter {
+ public:
+  explicit DiagnosticsPrinter(const Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
+  ~DiagnosticsPrinter() { print(); }  // whatever an exception cut short has been collected for the user, too
+  DiagnosticsPrinter(const DiagnosticsPrinter&) = delete;
+  DiagnosticsPrinter& operator=(const DiagnosticsPrinter&) = delete;
+
+  void print();
+
+ private:
+  const Diagnostics& diagnostics_;
+  std::size_t printed_ = 0;
+};
+
+/// Whether anything in the scene shines.
+bool has_light(const scene::SceneDescription& scene);
+
+}  // namespace etendue

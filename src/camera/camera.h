@@ -1,0 +1,36 @@
+#pragma once
+
+#include "math/ray.h"
+#include "math/transform.h"
+
+namespace etendue {
+
+/// A perspective camera with a thin lens: at `to_world.origin`, looking along its −z, +y up, the three axes orthonormal.
+struct Camera {
+  Transform to_world;
+  float tan_half_x = 0.5f;       ///< half width of the picture on the plane at distance 1
+  float tan_half_y = 0.375f;     ///< half height
+  float near_clip = 0;           ///< distance along the axis before which nothing is seen
+  float far_clip = 0;            ///< the same beyond which nothing is seen; 0: none
+  float lens_radius = 0;         ///< metres; 0: a pinhole
+  float focal_distance = 1;      ///< along the axis, to the plane that is sharp
+  int blades = 0;                ///< sides of the aperture's polygon; fewer than 3: a disk
+  float blade_rotation = 0;      ///< radians, counter-clockwise seen from behind the camera
+};
+
+/// The ray through a point of the picture. `film` is in [0,1)²: x to the right, y downwards. `lens` in [0,1)² picks a point of the
+/// aperture, uniformly by area. The direction is unit; t_min and t_max hold the clipping planes.
+Ray generate_ray(const Camera& camera, Vec2 film, Vec2 lens);
+
+/// Where a world point is seen: film coordinates as in generate_ray (outside [0,1)² if out of the picture) and the distance along
+/// the axis, through the lens' centre. The distance is negative behind the camera.
+struct FilmPoint {
+  Vec2 film;
+  float distance;
+};
+FilmPoint project(const Camera& camera, const Point3& world);
+
+/// Point of the aperture with area 1·radius², from u in [0,1)²: disk (concentric map) or regular polygon of circumradius `radius`.
+Vec2 sample_aperture(const Camera& camera, Vec2 u);
+
+}  // namespace etendue

@@ -1,0 +1,81 @@
+#include "formats/formats.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <string>
+
+#include "base/error.h"
+#include "formats/collada/collada.h"
+
+namespace etendue {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 1> kColladaExtensions = {".dae"};
+constexpr SceneFormat kFormats[] = {
+    {"COLLADA", kColladaExtensions, collada::read_file},
+};
+constexpr const SceneFormat& kCollada = kFormats[0];
+
+[[noreturn]] void reject(const fs::path& path, const std::string& reason) {
+  throw Error(Failure::input, fmt::format("{}: {}", path.string(), reason));
+}
+
+void require_content(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) reject(path, "there is no such file");
+  if (error) reject(path, error.message());
+  if (fs::is_directory(status)) reject(path, "this is a folder; name the scene file in it");
+  if (!fs::is_regular_file(status)) reject(path, "this is not a regular file");
+  if (!std::ifstream(path)) reject(path, "the file cannot be opened for reading; check its permissions");
+  if (fs::file_size(path, error) == 0 || error) reject(path, "the file is empty");
+}
+
+std::string lower_case_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+/// Whether the file's first element is <COLLADA>.
+bool looks_like_collada(const fs::path& path) {
+  std::string head(4096, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head.find("<COLLADA") != std::string::npos && head.find_first_not_of("\xef\xbb\xbf \t\r\n") == head.find('<');
+}
+
+const SceneFormat& format_of(const fs::path& path) {
+  const std::string extension = lower_case_extension(path);
+  std::string known;
+  for (const SceneFormat& format : kFormats)
+    for (const std::string_view candidate : format.extensions) {
+      if (candidate == extension) return format;
+      known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", candidate, format.name);
+    }
+  if (looks_like_collada(path)) return kCollada;
+  reject(path,
+         fmt::format("scene files {} are not known; known are {}",
+                     extension.empty() ? "without extension" : fmt::format("that end in \"{}\"", extension), known));
+}
+
+}  // namespace
+
+std::span<const SceneFormat> scene_formats() {
+  return kFormats;
+}
+
+scene::SceneDescription read_scene(const std::filesystem::path& path, Diagnostics& diagnostics) {
+  require_content(path);
+  return format_of(path).read(path, diagnostics);
+}
+
+}  // namespace etendue

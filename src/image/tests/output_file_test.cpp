@@ -1,0 +1,196 @@
+#include "image/output_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/error.h"
+#include "image/io.h"
+#include "image/tests/temporary_folder.h"
+
+namespace etendue {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::span<const std::byte> bytes_of(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
+
+/// The message of the output error that `action` throws; empty if it throws none.
+template <typename Action>
+std::string output_failure(const Action& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.failure(), Failure::output) << error.what();
+    return error.what();
+  }
+  return {};
+}
+
+Picture noise_picture(int size) {
+  Picture picture{Image(size, size), {}, {}};
+  std::uint32_t state = 1;
+  for (Spectrum& pixel : picture.beauty.pixels())
+    for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
+  return picture;
+}
+
+/// No file of this process grows past `bytes` while it lives: what a full disk looks like, without one.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : old_handler_(signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &old_);
+    const rlimit limit{bytes, old_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &old_);
+    signal(SIGXFSZ, old_handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit old_{};
+  void (*old_handler_)(int);
+};
+
+/// Acts as a user without special rights while it lives, where the tests run as root.
+class OrdinaryUser {
+ public:
+  OrdinaryUser() : was_root_(geteuid() == 0) {
+    if (was_root_ && seteuid(65534) != 0) throw std::runtime_error("cannot become another user");
+  }
+  ~OrdinaryUser() {
+    if (was_root_) static_cast<void>(!seteuid(0));
+  }
+  OrdinaryUser(const OrdinaryUser&) = delete;
+  OrdinaryUser& operator=(const OrdinaryUser&) = delete;
+
+ private:
+  bool was_root_;
+};
+
+/// Mounts a file system of 64 KiB on `folder`, seen by this thread only. False where that is not permitted.
+bool mount_tiny_disk(const std::filesystem::path& folder) {
+  return unshare(CLONE_NEWNS) == 0 && mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+         mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=64k") == 0;
+}
+
+TEST(OutputFile, WritesAndReplacesAndLeavesNothingElse) {
+  const TemporaryFolder folder;
+  write_whole_file(folder / "a.txt", bytes_of("first"));
+  write_whole_file(folder / "a.txt", bytes_of("second"));
+  EXPECT_EQ(read_bytes(folder / "a.txt"), "second");
+  EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
+}
+
+TEST(OutputFile, NewFilesHaveTheUsersUsualPermissions) {
+  const TemporaryFolder folder;
+  const mode_t old = umask(022);
+  write_whole_file(folder / "a.txt", bytes_of("text"));
+  umask(old);
+  struct stat status {};
+  ASSERT_EQ(stat((folder / "a.txt").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0644u);
+}
+
+TEST(OutputFile, NameWithoutFolderMeansTheCurrentFolder) {
+  const TemporaryFolder folder;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  write_whole_file("plain.txt", bytes_of("text"));
+  std::filesystem::current_path(before);
+  EXPECT_THAT(folder.names(), ElementsAre("plain.txt"));
+}
+
+TEST(OutputFile, MissingFolderIsNamedWithItsRemedy) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "nowhere/a.png";
+  const std::string message = output_failure([&] { check_writable(path); });
+  EXPECT_THAT(message, HasSubstr(path.string()));
+  EXPECT_THAT(message, HasSubstr("No such file or directory"));
+  EXPECT_THAT(message, HasSubstr("check that the folder exists"));
+  EXPECT_EQ(message, output_failure([&] { write_picture(path, noise_picture(2)); }));
+}
+
+TEST(OutputFile, FolderInThePlaceOfTheFileIsRefused) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "a.png");
+  EXPECT_THAT(output_failure([&] { check_writable(folder / "a.png"); }), HasSubstr("Is a directory"));
+  EXPECT_THAT(output_failure([&] { write_picture(folder / "a.png", noise_picture(2)); }), HasSubstr("Is a directory"));
+  EXPECT_THAT(folder.names(), ElementsAre("a.png"));
+}
+
+TEST(OutputFile, DevicesAndPipesAreRefusedAndStay) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe.png").c_str(), 0600), 0);
+  EXPECT_THAT(output_failure([&] { check_writable(folder / "pipe.png"); }), HasSubstr("device or a pipe"));
+  EXPECT_THAT(output_failure([&] { write_whole_file("/dev/full", bytes_of("text")); }), HasSubstr("device or a pipe"));
+  EXPECT_TRUE(std::filesystem::is_fifo(folder / "pipe.png"));
+}
+
+TEST(OutputFile, FolderWithoutPermissionIsRefusedBeforeAndAfterRendering) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.png", "older");
+  std::filesystem::permissions(folder.path(), std::filesystem::perms(0555));
+  {
+    const OrdinaryUser user;
+    EXPECT_THAT(output_failure([&] { check_writable(folder / "a.png"); }), HasSubstr("Permission denied"));
+    EXPECT_THAT(output_failure([&] { write_picture(folder / "a.png", noise_picture(2)); }),
+                HasSubstr("Permission denied"));
+  }
+  std::filesystem::permissions(folder.path(), std::filesystem::perms(0755));
+  EXPECT_EQ(read_bytes(folder / "a.png"), "older");
+  EXPECT_THAT(folder.names(), ElementsAre("a.png"));
+}
+
+TEST(OutputFile, CheckLeavesNothingBehindAndTouchesNoOlderFile) {
+  const TemporaryFolder folder;
+  check_writable(folder / "new.png");
+  EXPECT_THAT(folder.names(), IsEmpty());
+  write_bytes(folder / "old.exr", "older");
+  check_writable(folder / "old.exr");
+  EXPECT_EQ(read_bytes(folder / "old.exr"), "older");
+}
+
+class TornFile : public testing::TestWithParam<const char*> {};
+
+TEST_P(TornFile, OlderFileStaysWholeWhenTheDiskFillsUp) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / (std::string("picture") + GetParam());
+  write_bytes(path, "older");
+  {
+    const FileSizeLimit limit(1000);
+    EXPECT_THAT(output_failure([&] { write_picture(path, noise_picture(64)); }), HasSubstr("make room"));
+  }
+  EXPECT_EQ(read_bytes(path), "older");
+  EXPECT_EQ(folder.names().size(), 1u);
+}
+
+TEST_P(TornFile, FullDiskIsNoticed) {
+  const TemporaryFolder folder;
+  if (!mount_tiny_disk(folder.path())) GTEST_SKIP() << "mounting a tiny disk is not permitted here";
+  const std::filesystem::path path = folder / (std::string("picture") + GetParam());
+  write_picture(path, noise_picture(16));
+  const std::string before = read_bytes(path);
+  EXPECT_THAT(output_failure([&] { write_picture(path, noise_picture(512)); }), HasSubstr("No space left on device"));
+  EXPECT_EQ(read_bytes(path), before);
+  EXPECT_EQ(folder.names().size(), 1u);
+  umount(folder.path().c_str());
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, TornFile, testing::Values(".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".hdr"),
+                         [](const auto& format) { return std::string(format.param + 1); });
+
+}  // namespace
+}  // namespace etendue

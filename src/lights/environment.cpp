@@ -1,0 +1,144 @@
+#include "lights/environment.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace etendue {
+namespace {
+
+/// sin θ integrated over a row of texels, up to a constant: cos θ_top − cos θ_bottom.
+double row_solid_angle(int row, int height) {
+  return std::cos(std::numbers::pi * row / height) - std::cos(std::numbers::pi * (row + 1) / height);
+}
+
+/// Writes the cumulative shares of `weights` to `cdf`; uniform if their sum is 0. The last is exactly 1.
+void cumulate(std::span<const double> weights, std::span<float> cdf) {
+  double total = 0;
+  for (const double w : weights) total += w;
+  double sum = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    sum += total > 0 ? weights[i] / total : 1.0 / static_cast<double>(weights.size());
+    cdf[i] = static_cast<float>(std::min(sum, 1.0));
+  }
+  cdf.back() = 1;
+  // Trailing texels without weight must not inherit what rounding left over.
+  for (std::size_t i = weights.size(); total > 0 && i-- > 1 && weights[i] == 0;) cdf[i - 1] = 1;
+}
+
+struct Interval {
+  int index;
+  float remapped;  ///< position of u within it
+  float width;     ///< its probability
+};
+
+Interval find_interval(std::span<const float> cdf, float u) {
+  const auto upper = std::upper_bound(cdf.begin(), cdf.end() - 1, u);
+  const auto index = static_cast<int>(upper - cdf.begin());
+  const float begin = index > 0 ? cdf[index - 1] : 0.0f;
+  const float width = cdf[index] - begin;
+  return {index, width > 0 ? std::min((u - begin) / width, kOneMinusEpsilon) : 0.0f, width};
+}
+
+}  // namespace
+
+TexelDistribution::TexelDistribution(const Image& map)
+    : width_(map.width()),
+      height_(map.height()),
+      row_cdf_(map.height()),
+      column_cdf_(map.pixels().size()),
+      density_(map.pixels().size()) {
+  std::vector<double> texels(width_), rows(height_);
+  double total = 0;
+  for (const Spectrum& s : map.pixels()) total += s.luminance();
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      texels[x] = total > 0 ? map.at(x, y).luminance() : 1.0;
+      rows[y] += texels[x];
+    }
+    rows[y] *= row_solid_angle(y, height_);
+    cumulate(texels, std::span(column_cdf_).subspan(static_cast<std::size_t>(y) * width_, width_));
+  }
+  cumulate(rows, row_cdf_);
+  // The density of what is really sampled: the product of the two intervals as rounding left them.
+  for (int y = 0; y < height_; ++y) {
+    const float row = row_cdf_[y] - (y > 0 ? row_cdf_[y - 1] : 0.0f);
+    for (int x = 0; x < width_; ++x) {
+      const float column = column_cdf(y, x) - (x > 0 ? column_cdf(y, x - 1) : 0.0f);
+      density_[static_cast<std::size_t>(y) * width_ + x] = row * column * static_cast<float>(width_) * static_cast<float>(height_);
+    }
+  }
+}
+
+TexelDistribution::Sample TexelDistribution::sample(Vec2 u) const {
+  const Interval row = find_interval(row_cdf_, u.y);
+  const Interval column =
+      find_interval(std::span(column_cdf_).subspan(static_cast<std::size_t>(row.index) * width_, width_), u.x);
+  const float x = (static_cast<float>(column.index) + column.remapped) / static_cast<float>(width_);
+  const float y = (static_cast<float>(row.index) + row.remapped) / static_cast<float>(height_);
+  return {{std::min(x, kOneMinusEpsilon), std::min(y, kOneMinusEpsilon)},
+          row.width * column.width * static_cast<float>(width_) * static_cast<float>(height_)};
+}
+
+float TexelDistribution::pdf(Vec2 uv) const {
+  const int x = std::clamp(static_cast<int>(uv.x * static_cast<float>(width_)), 0, width_ - 1);
+  const int y = std::clamp(static_cast<int>(uv.y * static_cast<float>(height_)), 0, height_ - 1);
+  return density_[static_cast<std::size_t>(y) * width_ + x];
+}
+
+Image texel_means(const Image& map) {
+  const int w = map.width(), h = map.height();
+  const auto weighted = [](const Spectrum& before, const Spectrum& here, const Spectrum& after) {
+    return before * 0.125f + here * 0.75f + after * 0.125f;  // a tent of width 2 averaged over the middle unit
+  };
+  Image columns(w, h), out(w, h);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      columns.at(x, y) = weighted(map.at((x + w - 1) % w, y), map.at(x, y), map.at((x + 1) % w, y));
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      out.at(x, y) = weighted(columns.at(x, std::max(y - 1, 0)), columns.at(x, y), columns.at(x, std::min(y + 1, h - 1)));
+  return out;
+}
+
+MapRepairs repair_map(Image& map) {
+  MapRepairs repairs;
+  bool light = false;
+  for (Spectrum& s : map.pixels()) {
+    if (!(is_finite(s) && s.r >= 0 && s.g >= 0 && s.b >= 0)) {
+      ++repairs.invalid;
+      for (int c = 0; c < 3; ++c) s[c] = std::isfinite(s[c]) ? std::max(s[c], 0.0f) : 0.0f;
+    }
+    light = light || !s.is_black();
+  }
+  repairs.black = !light;
+  return repairs;
+}
+
+Vec2 direction_to_uv(const MapOrientation& orientation, const Vec3& d) {
+  // Turning the map counter-clockwise by `rotation` adds to the azimuth at which a texel is seen.
+  const float azimuth = std::atan2(d.x, -d.z) + orientation.rotation;
+  const float turns = azimuth * (0.5f * kInvPi);
+  const float u = orientation.mirrored ? 0.75f - turns : turns;
+  const float v = std::atan2(std::sqrt(square(d.x) + square(d.z)), d.y) * kInvPi;  // acos(y), precise at the poles
+  return {std::min(u - std::floor(u), kOneMinusEpsilon), std::min(v, kOneMinusEpsilon)};
+}
+
+Vec3 uv_to_direction(const MapOrientation& orientation, Vec2 uv) {
+  const float turns = orientation.mirrored ? 0.75f - uv.x : uv.x;
+  const float azimuth = turns * (2 * kPi) - orientation.rotation;
+  const float theta = uv.y * kPi, sin_theta = std::sin(theta);
+  return {sin_theta * std::sin(azimuth), std::cos(theta), -sin_theta * std::cos(azimuth)};
+}
+
+Spectrum lookup_bilinear(const Image& map, Vec2 uv) {
+  const int w = map.width(), h = map.height();
+  const float x = uv.x * static_cast<float>(w) - 0.5f, y = uv.y * static_cast<float>(h) - 0.5f;
+  const float fx = std::floor(x), fy = std::floor(y);
+  const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
+  const int x0 = (ix + w) % w, x1 = (ix + 1) % w;
+  const int y0 = std::max(iy, 0), y1 = std::min(iy + 1, h - 1);
+  const float dx = x - fx, dy = y - fy;
+  return (map.at(x0, y0) * (1 - dx) + map.at(x1, y0) * dx) * (1 - dy) + (map.at(x0, y1) * (1 - dx) + map.at(x1, y1) * dx) * dy;
+}
+
+}  // namespace etendue

@@ -1,0 +1,87 @@
+#include "lights/light.h"
+
+namespace etendue {
+
+std::optional<LightSample> PointLight::sample(const Point3& from, Vec2) const {
+  const Vec3 d = position - from;
+  const float d2 = length_squared(d);
+  if (!(d2 > 0)) return std::nullopt;
+  const float distance = std::sqrt(d2);
+  return LightSample{d * (1 / distance), distance, intensity / d2, 1, true};
+}
+
+float PointLight::power(const Bounds3&) const { return 4 * kPi * intensity.luminance(); }
+
+std::optional<LightSample> SpotLight::sample(const Point3& from, Vec2) const {
+  const Vec3 d = position - from;
+  const float d2 = length_squared(d);
+  if (!(d2 > 0)) return std::nullopt;
+  const float distance = std::sqrt(d2);
+  const Vec3 wi = d * (1 / distance);
+  const float cosine = -dot(wi, axis);
+  if (cosine < cos_cutoff) return std::nullopt;
+  return LightSample{wi, distance, intensity * (std::pow(std::max(cosine, 0.0f), exponent) / d2), 1, true};
+}
+
+float SpotLight::power(const Bounds3&) const { return 2 * kPi * (1 - cos_cutoff) * intensity.luminance(); }
+
+namespace {
+
+template <typename... Models>
+constexpr bool all_are_models(const std::variant<Models...>*) {
+  return (LightModel<Models> && ...);
+}
+static_assert(all_are_models(static_cast<const Light*>(nullptr)));
+
+}  // namespace
+
+std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u) {
+  return std::visit([&](const auto& l) { return l.sample(from, u); }, light);
+}
+
+float light_pdf(const Light& light, const Point3& from, const LightHit& hit) {
+  return std::visit(
+      [&]<typename T>(const T& l) {
+        if constexpr (FiniteAreaLight<T>)
+          return l.pdf_hit(from, hit);
+        else
+          return 0.0f;
+      },
+      light);
+}
+
+float infinite_light_pdf(const Light& light, const Vec3& wi) {
+  return std::visit(
+      [&]<typename T>(const T& l) {
+        if constexpr (InfiniteLight<T>)
+          return l.pdf_direction(wi);
+        else
+          return 0.0f;
+      },
+      light);
+}
+
+Spectrum infinite_light_radiance(const Light& light, const Vec3& wi) {
+  return std::visit(
+      [&]<typename T>(const T& l) {
+        if constexpr (InfiniteLight<T>)
+          return l.radiance(wi);
+        else
+          return Spectrum(0);
+      },
+      light);
+}
+
+bool is_infinite(const Light& light) {
+  return std::visit([]<typename T>(const T&) { return InfiniteLight<T>; }, light);
+}
+
+bool is_delta(const Light& light) {
+  return std::visit([]<typename T>(const T&) { return T::kDelta; }, light);
+}
+
+float light_power(const Light& light, const Bounds3& scene) {
+  return std::visit([&](const auto& l) { return l.power(scene); }, light);
+}
+
+}  // namespace etendue

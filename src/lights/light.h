@@ -1,0 +1,170 @@
+#pragma once
+
+#include <concepts>
+#include <memory>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "image/image.h"
+#include "lights/environment.h"
+#include "lights/rectangle.h"
+#include "math/bounds.h"
+#include "math/spectrum.h"
+#include "math/transform.h"
+#include "math/vec.h"
+#include "sampling/distribution.h"
+
+namespace etendue {
+
+/// A direction from which a light shines on a point.
+struct LightSample {
+  Vec3 wi;               ///< unit, towards the light
+  float distance = 0;    ///< to it; infinite for lights at infinity
+  Spectrum radiance;     ///< arriving along wi if nothing is in between; for delta lights the irradiance on a surface facing wi, × pdf
+  float pdf = 0;         ///< per solid angle at the lit point; 1 for delta lights
+  bool is_delta = false; ///< no BSDF sample can find this light
+};
+
+/// A point on a light that a ray found: what its density depends on.
+struct LightHit {
+  Point3 position;
+  Vec3 normal;                  ///< unit, on the side that shines
+  std::uint32_t primitive = 0;  ///< triangle within the mesh
+};
+
+/// What every light offers. `pdf_hit`: density per solid angle, at `from`, of sample() giving the direction to `hit` (finite lights) or
+/// the direction `wi` (infinite ones). `power`: emitted flux in W, roughly, for choosing among lights.
+template <typename T>
+concept LightModel = requires(const T& light, const Point3& from, Vec2 u, const Bounds3& scene) {
+  { light.sample(from, u) } -> std::same_as<std::optional<LightSample>>;
+  { light.power(scene) } -> std::same_as<float>;
+  { T::kDelta } -> std::convertible_to<bool>;
+};
+
+template <typename T>
+concept FiniteAreaLight = LightModel<T> && requires(const T& light, const Point3& from, const LightHit& hit) {
+  { light.pdf_hit(from, hit) } -> std::same_as<float>;
+};
+
+template <typename T>
+concept InfiniteLight = LightModel<T> && requires(const T& light, const Vec3& wi) {
+  { light.radiance(wi) } -> std::same_as<Spectrum>;
+  { light.pdf_direction(wi) } -> std::same_as<float>;
+};
+
+struct PointLight {
+  static constexpr bool kDelta = true;
+  Point3 position;
+  Spectrum intensity;  ///< W·sr⁻¹
+
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  float power(const Bounds3& scene) const;
+};
+
+/// Intensity · cos(angle to the axis)^exponent within the cone.
+struct SpotLight {
+  static constexpr bool kDelta = true;
+  Point3 position;
+  Vec3 axis;  ///< unit, the way it shines
+  Spectrum intensity;
+  float cos_cutoff = 0, exponent = 0;
+
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  float power(const Bounds3& scene) const;
+};
+
+struct DirectionalLight {
+  static constexpr bool kDelta = true;
+  Vec3 to_light;        ///< unit
+  Spectrum irradiance;  ///< on a surface facing it
+
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  float power(const Bounds3& scene) const;
+};
+
+/// Parallelogram with right angles that shines to its front, sampled by solid angle near it and by area far away.
+struct RectangleLight {
+  static constexpr bool kDelta = false;
+  Rectangle rectangle;
+  Spectrum emitted;
+
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  float pdf_hit(const Point3& from, const LightHit& hit) const;
+  float power(const Bounds3& scene) const;
+};
+
+/// Triangles of one radiance; a triangle is chosen by area, a point on it by area or, near it, by solid angle (Arvo 1995).
+struct MeshLight {
+  static constexpr bool kDelta = false;
+  struct Triangle {
+    Point3 p0, p1, p2;
+    Vec3 normal;  ///< unit, the side that shines
+    float area;
+  };
+  std::vector<Triangle> triangles;
+  DiscreteDistribution by_area;
+  Spectrum emitted;
+
+  MeshLight(std::vector<Triangle> triangles, const Spectrum& emitted);
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  float pdf_hit(const Point3& from, const LightHit& hit) const;
+  float power(const Bounds3& scene) const;
+};
+
+/// Sphere that shines outwards, sampled within the cone it subtends.
+struct SphereLight {
+  static constexpr bool kDelta = false;
+  Point3 center;
+  float radius;
+  Spectrum emitted;
+
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  float pdf_hit(const Point3& from, const LightHit& hit) const;
+  float power(const Bounds3& scene) const;
+};
+
+/// Constant radiance from every direction with y > 0.
+struct HemisphereLight {
+  static constexpr bool kDelta = false;
+  Spectrum emitted;
+
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  Spectrum radiance(const Vec3& wi) const;
+  float pdf_direction(const Vec3& wi) const;
+  float power(const Bounds3& scene) const;
+};
+
+/// Latitude–longitude map at infinity, with bilinear lookup; directions by its brightness or uniformly.
+struct EnvironmentLight {
+  static constexpr bool kDelta = false;
+  Image map;
+  TexelDistribution distribution;  ///< of the map's texel means
+  bool importance = true;          ///< false: uniform on the sphere
+  float intensity = 1;
+  MapOrientation orientation;
+
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  Spectrum radiance(const Vec3& wi) const;
+  float pdf_direction(const Vec3& wi) const;
+  float power(const Bounds3& scene) const;
+};
+
+/// The one list of lights.
+using Light = std::variant<PointLight, SpotLight, DirectionalLight, RectangleLight, MeshLight, SphereLight, HemisphereLight,
+                           EnvironmentLight>;
+
+/// A way to shine on `from`, with probability density `pdf`. Nothing if the light cannot be seen from there.
+std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u);
+/// Density with which sample_light gives the direction to a point of a finite light; 0 for lights without surface.
+float light_pdf(const Light& light, const Point3& from, const LightHit& hit);
+/// The same for the direction `wi` towards an infinite light.
+float infinite_light_pdf(const Light& light, const Vec3& wi);
+/// Radiance from infinity along wi; black for lights that are not there.
+Spectrum infinite_light_radiance(const Light& light, const Vec3& wi);
+bool is_infinite(const Light& light);
+bool is_delta(const Light& light);
+/// Emitted flux in W, roughly.
+float light_power(const Light& light, const Bounds3& scene);
+
+}  // namespace etendue

@@ -1,0 +1,88 @@
+#include "lights/rectangle.h"
+
+#include "lights/light.h"
+
+namespace etendue {
+
+Rectangle::Rectangle(const Point3& corner_in, const Vec3& ex, const Vec3& ey)
+    : corner(corner_in), edge_x(ex), edge_y(ey), length_x(length(ex)), length_y(length(ey)) {
+  unit_x = edge_x * (1 / length_x);
+  unit_y = edge_y * (1 / length_y);
+  normal = cross(unit_x, unit_y);
+}
+
+SphericalRectangle::SphericalRectangle(const Rectangle& r, const Point3& from) {
+  const Vec3 d = r.corner - from;
+  x0_ = dot(d, r.unit_x);
+  y0_ = dot(d, r.unit_y);
+  z0_ = -std::abs(dot(d, r.normal));
+  x1_ = x0_ + r.length_x;
+  y1_ = y0_ + r.length_y;
+  // z components of the normals of the four planes through `from` and an edge; the interior angles follow from their products.
+  const float n0 = -y0_ / std::sqrt(square(z0_) + square(y0_)), n1 = x1_ / std::sqrt(square(z0_) + square(x1_));
+  const float n2 = y1_ / std::sqrt(square(z0_) + square(y1_)), n3 = -x0_ / std::sqrt(square(z0_) + square(x0_));
+  const auto angle = [](float c) { return std::acos(std::clamp(c, -1.0f, 1.0f)); };
+  const float g0 = angle(-n0 * n1), g1 = angle(-n1 * n2), g2 = angle(-n2 * n3), g3 = angle(-n3 * n0);
+  b0_ = n0;
+  b1_ = n2;
+  k_ = 2 * kPi - g2 - g3;
+  solid_angle_ = g0 + g1 - k_;
+}
+
+Point3 SphericalRectangle::sample(const Rectangle& r, Vec2 u) const {
+  const float au = u.x * solid_angle_ + k_;
+  const float fu = (std::cos(au) * b0_ - b1_) / std::sin(au);
+  const float cu = std::clamp(std::copysign(1 / std::sqrt(square(fu) + square(b0_)), fu), -1.0f, 1.0f);
+  const float xu = std::clamp(-(cu * z0_) / std::sqrt(std::max(1 - square(cu), 1e-20f)), x0_, x1_);
+  const float d2 = square(xu) + square(z0_), d = std::sqrt(d2);
+  const float h0 = y0_ / std::sqrt(d2 + square(y0_)), h1 = y1_ / std::sqrt(d2 + square(y1_));
+  const float hv = h0 + u.y * (h1 - h0), hv2 = square(hv);
+  const float yv = hv2 < 1 - 1e-6f ? hv * d / std::sqrt(1 - hv2) : y1_;
+  const Vec3 on_plane = r.unit_x * (xu - x0_) + r.unit_y * (std::clamp(yv, y0_, y1_) - y0_);
+  return r.corner + on_plane;
+}
+
+namespace {
+
+/// Beyond this ratio of squared distance (to the centre) to area, density by area is nearly as good as by solid angle and three times
+/// cheaper: on the Cornell box 16 cost 8 % more time × variance than 2. Much nearer the plane than the inner bound, float acos would lose
+/// digits.
+constexpr float kFarRatio = 2;
+
+bool by_solid_angle(const Rectangle& r, const Point3& from, float height) {
+  const float d2 = length_squared(r.center() - from);
+  return d2 < kFarRatio * r.area() && square(height) > 1e-6f * r.area();
+}
+
+}  // namespace
+
+std::optional<LightSample> RectangleLight::sample(const Point3& from, Vec2 u) const {
+  const float height = dot(from - rectangle.corner, rectangle.normal);
+  if (height <= 0) return std::nullopt;
+  Point3 p;
+  float pdf_solid = 0;
+  if (by_solid_angle(rectangle, from, height)) {
+    const SphericalRectangle seen(rectangle, from);
+    p = seen.sample(rectangle, u);
+    pdf_solid = 1 / seen.solid_angle();
+  } else {
+    p = rectangle.corner + rectangle.edge_x * u.x + rectangle.edge_y * u.y;
+  }
+  const Vec3 d = p - from;
+  const float d2 = length_squared(d), distance = std::sqrt(d2);
+  if (pdf_solid == 0) pdf_solid = d2 * distance / (height * rectangle.area());  // cos at the light = height / distance
+  if (!std::isfinite(pdf_solid) || pdf_solid <= 0) return std::nullopt;
+  return LightSample{d * (1 / distance), distance, emitted, pdf_solid};
+}
+
+float RectangleLight::pdf_hit(const Point3& from, const LightHit& hit) const {
+  const float height = dot(from - rectangle.corner, rectangle.normal);
+  if (height <= 0) return 0;
+  if (by_solid_angle(rectangle, from, height)) return 1 / SphericalRectangle(rectangle, from).solid_angle();
+  const float d2 = length_squared(hit.position - from);
+  return d2 * std::sqrt(d2) / (height * rectangle.area());
+}
+
+float RectangleLight::power(const Bounds3&) const { return kPi * rectangle.area() * emitted.luminance(); }
+
+}  // namespace etendue

@@ -1,0 +1,48 @@
+#include "render/debug_integrators.h"
+
+#include "math/frame.h"
+#include "sampling/warp.h"
+
+namespace etendue {
+namespace {
+
+/// How far ambient occlusion looks, as a share of the scene's diagonal.
+constexpr float kOcclusionReach = 0.25f;
+
+}  // namespace
+
+std::uint64_t DebugIntegrator::estimate(int x, int y, std::uint32_t first, std::span<PixelSample> samples) const {
+  const PixelSampler sampler(settings_.sampler, settings_.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+  Ray rays[Geometry::kBatch];
+  RayHit hits[Geometry::kBatch];
+  const auto count = samples.size();
+  camera_rays_.generate(sampler, x, y, first, std::span(rays, count));
+  scene_.geometry.intersect_coherent(std::span(rays, count), std::span(hits, count));
+  float u[Geometry::kBatch], v[Geometry::kBatch];
+  sampler.points(dimension::at(0, dimension::kDirection), first, static_cast<int>(count), u, v);
+  std::uint64_t traced = count;
+  for (std::size_t i = 0; i < count; ++i) {
+    samples[i] = {};
+    if (!hits[i].found()) continue;
+    const SurfaceHit surface = scene_.geometry.surface(rays[i], hits[i]);
+    const Material& material = scene_.materials[scene_.shapes[hits[i].shape].material];
+    const Vec2 uv = material.needs_texture_coordinates() ? scene_.geometry.texture_coordinates(hits[i], surface) : Vec2(0);
+    camera_rays_.describe(rays[i], hits[i], surface, samples[i]);
+    samples[i].albedo = albedo(evaluate_material(material, uv, scene_.textures));
+    const Vec3 n = samples[i].normal;
+    if (settings_.integrator == IntegratorKind::albedo) {
+      samples[i].radiance = samples[i].albedo;
+    } else if (settings_.integrator == IntegratorKind::normals) {
+      samples[i].radiance = Spectrum(n.x + 1, n.y + 1, n.z + 1) * 0.5f;
+    } else {
+      const Vec3 direction = Frame::from_normal(n).to_world(sample_hemisphere_cosine({u[i], v[i]}));
+      Ray ray{offset_origin(surface, direction), direction};
+      ray.t_max = kOcclusionReach * scene_.geometry.bounds().diagonal();
+      ++traced;
+      samples[i].radiance = Spectrum(scene_.geometry.occluded(std::span(&ray, 1)) == 0 ? 1.0f : 0.0f);
+    }
+  }
+  return traced;
+}
+
+}  // namespace etendue

@@ -1,0 +1,187 @@
+#include "render/session.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <chrono>
+#include <limits>
+#include <mutex>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "image/false_color.h"
+#include "render/integrator.h"
+
+namespace etendue {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// What a pass without a given number of samples should last: short enough to steer by, long enough to start cheaply.
+constexpr double kPassSeconds = 0.5;
+
+/// `samples` rounded up to a multiple of the batch: batches always begin at such multiples, so that which samples travel together does
+/// not depend on how a render is split into passes.
+std::uint32_t whole_batches(std::uint32_t samples) {
+  constexpr std::uint32_t kBatch = Geometry::kBatch;
+  return (samples + kBatch - 1) / kBatch * kBatch;
+}
+
+/// The next count of samples at which the adaptive criterion looks at a pixel.
+std::uint32_t next_check(std::uint32_t samples, const RenderSettings& settings) {
+  const auto limit = static_cast<std::uint32_t>(settings.samples_per_pixel);
+  if (!settings.adaptive) return limit;
+  const auto batch = static_cast<std::uint32_t>(settings.adaptive->batch);
+  return std::min(limit, (samples / batch + 1) * batch);
+}
+
+bool has_settled(const PixelSums& pixel, const AdaptiveSampling& adaptive) {
+  return 1.96 * pixel.luminance_error() <= adaptive.tolerance * pixel.mean_luminance();
+}
+
+bool is_valid(const Spectrum& radiance) {
+  return is_finite(radiance) && radiance.r >= 0 && radiance.g >= 0 && radiance.b >= 0;
+}
+
+}  // namespace
+
+struct RenderSession::Impl {
+  RenderScene scene;
+  RenderSettings settings;
+  CropWindow window;
+  std::unique_ptr<Integrator> integrator;
+  Film film;
+
+  std::atomic<std::uint64_t> rays{0}, samples_done{0}, samples_saved{0}, invalid_samples{0};
+  std::atomic<std::size_t> finished_pixels{0};
+  std::mutex first_invalid_mutex;
+  std::string first_invalid;
+  std::atomic<double> seconds{0}, noise{std::numeric_limits<double>::infinity()};  // as of the last pass
+  int pass_samples = Geometry::kBatch;
+
+  Impl(RenderScene s, const Camera& camera, const RenderSettings& chosen)
+      : scene(std::move(s)),
+        settings(chosen),
+        window(chosen.crop.value_or(CropWindow{0, 0, chosen.width, chosen.height})),
+        integrator(make_integrator(scene.data(), camera, settings)),
+        film(window.width, window.height) {}
+
+  void render_tile(int x0, int y0, std::uint32_t samples, const std::stop_token& stop);
+  std::uint64_t render_pixel(int x, int y, std::uint32_t samples);
+  void note_invalid(int x, int y, std::uint32_t sample);
+};
+
+void RenderSession::Impl::note_invalid(int x, int y, std::uint32_t sample) {
+  ++invalid_samples;
+  const std::lock_guard lock(first_invalid_mutex);
+  if (first_invalid.empty()) first_invalid = fmt::format("pixel ({}, {}), sample {}", x, y, sample);
+}
+
+/// Adds up to `samples` samples to one pixel of the window; returns the rays that took.
+std::uint64_t RenderSession::Impl::render_pixel(int x, int y, std::uint32_t samples) {
+  PixelSums& pixel = film.at(x, y);
+  const std::uint32_t before = pixel.samples;
+  const std::uint32_t target = std::min(whole_batches(before + samples), static_cast<std::uint32_t>(settings.samples_per_pixel));
+  std::uint64_t traced = 0;
+  PixelSample batch[Geometry::kBatch];
+  while (pixel.samples < target && !pixel.finished) {
+    const std::uint32_t check = next_check(pixel.samples, settings);
+    const std::uint32_t end = std::min(target, check);
+    const auto count = std::min(end, whole_batches(pixel.samples + 1)) - pixel.samples;
+    const std::uint32_t first = pixel.samples;
+    traced += integrator->estimate(window.x + x, window.y + y, first, std::span(batch, count));
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (!is_valid(batch[i].radiance)) {
+        note_invalid(window.x + x, window.y + y, first + i);
+        batch[i].radiance = Spectrum(0);
+      }
+      pixel.add(batch[i]);
+    }
+    if (pixel.samples == check && settings.adaptive && has_settled(pixel, *settings.adaptive)) pixel.finished = true;
+    if (pixel.samples >= static_cast<std::uint32_t>(settings.samples_per_pixel)) pixel.finished = true;
+  }
+  samples_done += pixel.samples - before;
+  if (pixel.finished) {
+    ++finished_pixels;
+    samples_saved += static_cast<std::uint32_t>(settings.samples_per_pixel) - pixel.samples;
+  }
+  return traced;
+}
+
+void RenderSession::Impl::render_tile(int x0, int y0, std::uint32_t samples, const std::stop_token& stop) {
+  std::uint64_t traced = 0;
+  const int x1 = std::min(x0 + settings.tile_size, film.width()), y1 = std::min(y0 + settings.tile_size, film.height());
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) {
+      if (film.at(x, y).finished) continue;
+      if (stop.stop_requested()) break;
+      traced += render_pixel(x, y, samples);
+    }
+  rays += traced;
+}
+
+RenderSession::RenderSession(RenderScene scene, const Camera& camera, const RenderSettings& settings) {
+  const CropWindow crop = settings.crop.value_or(CropWindow{0, 0, settings.width, settings.height});
+  if (settings.width < 1 || settings.height < 1 || settings.samples_per_pixel < 1 || settings.tile_size < 1)
+    throw Error(Failure::usage, "width, height, samples per pixel and tile size must be at least 1");
+  if (crop.x < 0 || crop.y < 0 || crop.width < 1 || crop.height < 1 || crop.x > settings.width - crop.width ||
+      crop.y > settings.height - crop.height)
+    throw Error(Failure::usage, fmt::format("the crop window {}×{} at ({}, {}) does not lie within the {}×{} picture",
+                                            crop.width, crop.height, crop.x, crop.y, settings.width, settings.height));
+  impl_ = std::make_unique<Impl>(std::move(scene), camera, settings);
+}
+
+RenderSession::~RenderSession() = default;
+RenderSession::RenderSession(RenderSession&&) noexcept = default;
+RenderSession& RenderSession::operator=(RenderSession&&) noexcept = default;
+
+void RenderSession::render_pass(std::stop_token stop, int samples) {
+  Impl& s = *impl_;
+  const auto start = Clock::now();
+  const int n = samples > 0 ? samples : s.pass_samples;
+  const int tile = s.settings.tile_size;
+  const int columns = (s.film.width() + tile - 1) / tile, rows = (s.film.height() + tile - 1) / tile;
+  parallel_for(static_cast<std::size_t>(columns) * rows, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const int t = static_cast<int>(i);
+      s.render_tile(t % columns * tile, t / columns * tile, static_cast<std::uint32_t>(n), stop);
+    }
+  });
+  const double took = std::chrono::duration<double>(Clock::now() - start).count();
+  s.seconds = s.seconds + took;
+  s.noise = s.film.noise();
+  if (samples == 0 && took < kPassSeconds) s.pass_samples = std::min(s.pass_samples * 2, 1 << 12);
+}
+
+bool RenderSession::finished() const { return impl_->finished_pixels == impl_->film.pixels().size(); }
+
+RenderProgress RenderSession::progress() const {
+  const Impl& s = *impl_;
+  RenderProgress p;
+  p.samples_done = s.samples_done;
+  p.samples_total =
+      static_cast<std::uint64_t>(s.settings.samples_per_pixel) * s.film.pixels().size() - s.samples_saved;
+  p.rays = s.rays;
+  p.invalid_samples = s.invalid_samples;
+  p.render_seconds = s.seconds;
+  p.noise = s.noise;
+  {
+    const std::lock_guard lock(impl_->first_invalid_mutex);
+    p.first_invalid = s.first_invalid;
+  }
+  return p;
+}
+
+Picture RenderSession::snapshot() const { return impl_->film.picture(); }
+Image RenderSession::beauty() const { return impl_->film.beauty(); }
+
+Image RenderSession::sample_rate_picture() const {
+  const Film& film = impl_->film;
+  Image image(film.width(), film.height());
+  for (std::size_t i = 0; i < film.pixels().size(); ++i)
+    image.pixels()[i] = rate_color(static_cast<float>(film.pixels()[i].samples) /
+                                   static_cast<float>(impl_->settings.samples_per_pixel));
+  return image;
+}
+
+}  // namespace etendue

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "sampling/sampler.h"
+
+namespace etendue {
+
+enum class IntegratorKind {
+  path,        ///< all light, to max_depth bounces
+  direct,      ///< emitted light and light that bounced once, by sampling the lights
+  hemisphere,  ///< the same by sampling directions of the hemisphere uniformly
+  normals,     ///< shading normals, (n + 1) / 2
+  albedo,      ///< reflectance of what is seen
+  ao,          ///< ambient occlusion: share of the cosine-weighted hemisphere open to a quarter of the scene's diagonal
+};
+
+/// Rectangle of pixels, (x, y) its upper left corner.
+struct CropWindow {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// The teaching renderer's criterion: after every `batch` samples a pixel stops once 1.96 σ/√n ≤ tolerance · mean.
+struct AdaptiveSampling {
+  int batch = 32;
+  float tolerance = 0.05f;
+};
+
+inline constexpr int kUnlimitedDepth = std::numeric_limits<int>::max();
+
+/// What picture to make of a scene and how well.
+struct RenderSettings {
+  int width = 800, height = 600;         ///< of the whole picture, in pixels
+  std::optional<CropWindow> crop;        ///< render only this part; the result has its size
+  int samples_per_pixel = 64;            ///< the most a pixel gets
+  int light_samples = 0;                 ///< per light and vertex (point-like lights: 1); 0: one sample of one chosen light
+  int max_depth = kUnlimitedDepth;       ///< bounces: 0 emitted light only, 1 direct light, …
+  IntegratorKind integrator = IntegratorKind::path;
+  SamplerKind sampler = SamplerKind::sobol;
+  std::uint64_t seed = 0;
+  std::optional<AdaptiveSampling> adaptive;
+  int tile_size = 16;                    ///< pixels along the side of a unit of work; changes no pixel
+};
+
+}  // namespace etendue

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace etendue {
+
+/// Discrete distribution with probabilities proportional to given weights. Sums are doubles. Weights that are negative or not finite count
+/// as 0; if all are 0, the distribution is uniform.
+class DiscreteDistribution {
+ public:
+  DiscreteDistribution() = default;
+  explicit DiscreteDistribution(std::span<const double> weights);
+
+  struct Sample {
+    std::size_t index;
+    float probability;
+    float remapped;  ///< u rescaled within the chosen interval: again uniform in [0,1)
+  };
+  Sample sample(float u) const;
+
+  float probability(std::size_t index) const { return probability_[index]; }
+  std::size_t size() const { return probability_.size(); }
+
+ private:
+  std::vector<float> cdf_;  ///< size() + 1 values from 0 to 1
+  std::vector<float> probability_;
+};
+
+}  // namespace etendue

@@ -1,0 +1,84 @@
+#include "testing/sphere_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "testing/quadrature.h"
+
+namespace etendue {
+
+// A direction at the angle θ from the axis has the ring coordinate x = t / (t + focus) in [0, 1], t = tan(θ/2).
+
+SphereGrid::SphereGrid(const Vec3& axis, double focus, int rings, int sectors)
+    : frame_(Frame::from_normal(axis)), focus_(focus), rings_(rings), sectors_(sectors) {}
+
+std::size_t SphereGrid::cell(const Vec3& direction) const {
+  const Vec3 w = frame_.to_local(direction);
+  const double sine = std::hypot(w.x, w.y), cosine = w.z;
+  const double t = cosine > 0 ? sine / (1 + cosine) : (1 - cosine) / sine;
+  const double x = 1 / (1 + focus_ / t);
+  const double y = std::atan2(w.y, w.x) / (2 * std::numbers::pi) + 0.5;
+  const int ring = std::clamp(static_cast<int>(x * rings_), 0, rings_ - 1);
+  const int sector = std::clamp(static_cast<int>(y * sectors_), 0, sectors_ - 1);
+  return static_cast<std::size_t>(ring) * sectors_ + sector;
+}
+
+std::vector<double> SphereGrid::integrals(const Density& density, double tolerance) const {
+  const auto integrand = [&](double x, double y) {
+    const double t = focus_ * x / (1 - x), phi = (y - 0.5) * 2 * std::numbers::pi;
+    const double t2 = t * t, sine = 2 * t / (1 + t2), cosine = (1 - t2) / (1 + t2);
+    const Vec3 local(static_cast<float>(sine * std::cos(phi)), static_cast<float>(sine * std::sin(phi)),
+                     static_cast<float>(cosine));
+    // dω = sin θ dθ dφ with dθ = 2 dt / (1 + t²), dt = focus dx / (1 − x)².
+    const double jacobian = 2 * sine / (1 + t2) * focus_ / ((1 - x) * (1 - x)) * 2 * std::numbers::pi;
+    return density(frame_.to_world(local)) * jacobian;
+  };
+  std::vector<double> out(size());
+  for (int ring = 0; ring < rings_; ++ring)
+    for (int sector = 0; sector < sectors_; ++sector)
+      out[static_cast<std::size_t>(ring) * sectors_ + sector] =
+          integrate(integrand,
+                    Box2{static_cast<double>(ring) / rings_, static_cast<double>(ring + 1) / rings_,
+                         static_cast<double>(sector) / sectors_, static_cast<double>(sector + 1) / sectors_},
+                    tolerance);
+  return out;
+}
+
+double integrate_sphere(const SphereGrid& grid, const SphereGrid::Density& density, double tolerance) {
+  const std::vector<double> cells = grid.integrals(density, tolerance);
+  return std::accumulate(cells.begin(), cells.end(), 0.0);
+}
+
+SphereGrid grid_around(const DirectionSampler& sample) {
+  constexpr int kCount = 2000;
+  std::vector<Vec3> directions;
+  Vec3 sum(0);
+  for (int i = 0; i < kCount; ++i)
+    if (const std::optional<Vec3> direction = sample()) {
+      directions.push_back(*direction);
+      sum += *direction;
+    }
+  if (length(sum) < 0.1f * kCount) return SphereGrid();  // from all around
+  const Vec3 axis = normalize(sum);
+  std::vector<double> tangents;  // of half the angle to the axis
+  for (const Vec3& w : directions) tangents.push_back(length(cross(axis, w)) / std::max(1 + dot(axis, w), 1e-3f));
+  const auto middle = tangents.begin() + static_cast<std::ptrdiff_t>(tangents.size() / 2);
+  std::nth_element(tangents.begin(), middle, tangents.end());
+  return SphereGrid(axis, *middle);
+}
+
+ChiSquareTest direction_test(const SphereGrid& grid, int count, const DirectionSampler& sample,
+                             const SphereGrid::Density& density) {
+  std::vector<double> expected = grid.integrals(density, 1.0 / count);  // to a fraction of a direction
+  expected.push_back(std::max(1 - std::accumulate(expected.begin(), expected.end(), 0.0), 0.0));
+  for (double& e : expected) e *= count;
+  std::vector<double> observed(expected.size());
+  for (int i = 0; i < count; ++i) {
+    const std::optional<Vec3> direction = sample();
+    ++observed[direction ? grid.cell(*direction) : observed.size() - 1];
+  }
+  return chi_square_test(observed, expected);
+}
+
+}  // namespace etendue
