@@ -85,18 +85,26 @@ float TexelDistribution::pdf(Vec2 uv) const {
   return density_[static_cast<std::size_t>(y) * width_ + x];
 }
 
-Image texel_means(const Image& map) {
+Image lookup_means(const Image& map, MapRows rows) {
   const int w = map.width(), h = map.height();
   const auto weighted = [](const Spectrum& before, const Spectrum& here, const Spectrum& after) {
     return before * 0.125f + here * 0.75f + after * 0.125f;  // a tent of width 2 averaged over the middle unit
   };
-  Image columns(w, h), out(w, h);
+  Image columns(w, h);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
       columns.at(x, y) = weighted(map.at((x + w - 1) % w, y), map.at(x, y), map.at((x + 1) % w, y));
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x)
-      out.at(x, y) = weighted(columns.at(x, std::max(y - 1, 0)), columns.at(x, y), columns.at(x, std::min(y + 1, h - 1)));
+  if (rows == MapRows::centered || h == 1) {
+    Image out(w, h);
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x)
+        out.at(x, y) =
+            weighted(columns.at(x, std::max(y - 1, 0)), columns.at(x, y), columns.at(x, std::min(y + 1, h - 1)));
+    return out;
+  }
+  Image out(w, h - 1);
+  for (int y = 0; y + 1 < h; ++y)
+    for (int x = 0; x < w; ++x) out.at(x, y) = (columns.at(x, y) + columns.at(x, y + 1)) * 0.5f;
   return out;
 }
 
@@ -130,9 +138,10 @@ Vec3 uv_to_direction(const MapOrientation& orientation, Vec2 uv) {
   return {sin_theta * std::sin(azimuth), std::cos(theta), -sin_theta * std::cos(azimuth)};
 }
 
-Spectrum lookup_bilinear(const Image& map, Vec2 uv) {
+Spectrum lookup_bilinear(const Image& map, Vec2 uv, MapRows rows) {
   const int w = map.width(), h = map.height();
-  const float x = uv.x * static_cast<float>(w) - 0.5f, y = uv.y * static_cast<float>(h) - 0.5f;
+  const float x = uv.x * static_cast<float>(w) - 0.5f;
+  const float y = rows == MapRows::centered ? uv.y * static_cast<float>(h) - 0.5f : uv.y * static_cast<float>(h - 1);
   const float fx = std::floor(x), fy = std::floor(y);
   const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
   const int x0 = (ix + w) % w, x1 = (ix + 1) % w;

@@ -37,9 +37,16 @@ class TexelDistribution {
   std::vector<float> density_;     ///< pdf per uv area, one a texel
 };
 
-/// The mean of the bilinear lookup over each texel: what to build the distribution of, so that every direction from which light
-/// comes has a density above zero (the lookup reaches half a texel into black neighbours).
-Image texel_means(const Image& map);
+/// Where a map's rows stand between the zenith (v = 0) and the nadir (v = 1).
+enum class MapRows {
+  centered,      ///< row i at v = (i + ½) / height, constant beyond the first and the last
+  pole_to_pole,  ///< the first row is the zenith, the last the nadir (Mitsuba's convention)
+};
+
+/// The mean of the bilinear lookup over the cells of a grid: what to build the distribution of, so that every direction from which light
+/// comes has a density above zero (the lookup reaches into black neighbours). As many columns as the map; as many rows, or with
+/// pole_to_pole one fewer, each between two of the map's.
+Image lookup_means(const Image& map, MapRows rows);
 
 /// What cleaning a map found.
 struct MapRepairs {
@@ -54,12 +61,14 @@ MapRepairs repair_map(Image& map);
 struct MapOrientation {
   float rotation = 0;       ///< radians about +y, counter-clockwise seen from above
   bool mirrored = false;    ///< the CGL profile's mapping
+
+  MapRows rows() const { return mirrored ? MapRows::centered : MapRows::pole_to_pole; }
 };
 /// Standard: u = atan2(x, −z) / 2π wrapped to [0,1), v = acos(y) / π. Mirrored: u = (atan2(−z, x) + π) / 2π.
 Vec2 direction_to_uv(const MapOrientation& orientation, const Vec3& direction);
 Vec3 uv_to_direction(const MapOrientation& orientation, Vec2 uv);
 
-/// Radiance of the map at uv: bilinear between texel centres, wrapping in u, clamped at the poles.
-Spectrum lookup_bilinear(const Image& map, Vec2 uv);
+/// Radiance of the map at uv: bilinear, columns at their centres and wrapping in u, rows as told.
+Spectrum lookup_bilinear(const Image& map, Vec2 uv, MapRows rows);
 
 }  // namespace etendue

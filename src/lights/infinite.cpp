@@ -45,11 +45,11 @@ std::optional<LightSample> EnvironmentLight::sample(const Point3&, Vec2 u) const
   const Vec3 w = uv_to_direction(orientation, texel.uv);
   const float pdf = uv_to_solid_angle(texel.pdf, w);
   if (!(pdf > 0)) return std::nullopt;
-  return LightSample{w, kInfinity, lookup_bilinear(map, texel.uv) * intensity, pdf};
+  return LightSample{w, kInfinity, lookup_bilinear(map, texel.uv, orientation.rows()) * intensity, pdf};
 }
 
 Spectrum EnvironmentLight::radiance(const Vec3& wi) const {
-  return lookup_bilinear(map, direction_to_uv(orientation, wi)) * intensity;
+  return lookup_bilinear(map, direction_to_uv(orientation, wi), orientation.rows()) * intensity;
 }
 
 float EnvironmentLight::pdf_direction(const Vec3& wi) const {

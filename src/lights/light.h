@@ -139,7 +139,7 @@ struct HemisphereLight {
 struct EnvironmentLight {
   static constexpr bool kDelta = false;
   Image map;
-  TexelDistribution distribution;  ///< of the map's texel means
+  TexelDistribution distribution;  ///< of the map's lookup_means
   bool importance = true;          ///< false: uniform on the sphere
   float intensity = 1;
   MapOrientation orientation;

@@ -208,10 +208,10 @@ std::optional<Light> Compiler::environment(const scene::EnvironmentLight& source
                          light.where);
     return std::nullopt;
   }
-  out.distribution = TexelDistribution(texel_means(out.map));
   out.importance = options_.environment_sampling == EnvironmentSampling::importance;
   out.intensity = source.intensity;
   out.orientation = {radians(source.rotation_deg), source.mirrored};
+  out.distribution = TexelDistribution(lookup_means(out.map, out.orientation.rows()));
   return out;
 }
 

@@ -183,39 +183,43 @@ TEST(TexelDistribution, CumulativeProbabilitiesEndAtOne) {
   EXPECT_EQ(distribution.row_cdf(3), 1);
 }
 
-TEST(TexelMeans, AreTheMeansOfTheLookup) {
-  for (const NamedMap& named : all_maps()) {
-    const Image means = texel_means(named.map);
-    const int w = named.map.width(), h = named.map.height();
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        double sum = 0;
-        constexpr int kSide = 16;
-        for (int j = 0; j < kSide; ++j)
-          for (int i = 0; i < kSide; ++i)
-            sum += lookup_bilinear(
-                       named.map,
-                       {(static_cast<float>(x) + (static_cast<float>(i) + 0.5f) / kSide) / static_cast<float>(w),
-                        (static_cast<float>(y) + (static_cast<float>(j) + 0.5f) / kSide) / static_cast<float>(h)})
-                       .g;
-        const double mean = sum / (kSide * kSide);
-        EXPECT_NEAR(means.at(x, y).g, mean, 2e-3 * mean + 1e-6) << named.name << ' ' << x << ' ' << y;
-      }
-  }
+constexpr MapRows kBothRows[] = {MapRows::centered, MapRows::pole_to_pole};
+
+TEST(LookupMeans, AreTheMeansOfTheLookup) {
+  for (const MapRows rows : kBothRows)
+    for (const NamedMap& named : all_maps()) {
+      const Image means = lookup_means(named.map, rows);
+      const int w = means.width(), h = means.height();
+      EXPECT_EQ(w, named.map.width());
+      for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) {
+          double sum = 0;
+          constexpr int kSide = 16;
+          for (int j = 0; j < kSide; ++j)
+            for (int i = 0; i < kSide; ++i) {
+              const Vec2 uv((static_cast<float>(x) + (static_cast<float>(i) + 0.5f) / kSide) / static_cast<float>(w),
+                            (static_cast<float>(y) + (static_cast<float>(j) + 0.5f) / kSide) / static_cast<float>(h));
+              sum += lookup_bilinear(named.map, uv, rows).g;
+            }
+          const double mean = sum / (kSide * kSide);
+          EXPECT_NEAR(means.at(x, y).g, mean, 2e-3 * mean + 1e-6) << named.name << ' ' << x << ' ' << y;
+        }
+    }
 }
 
 /// Wherever the lookup gives light, the distribution of the means has a density.
-TEST(TexelMeans, SupportCoversTheLookup) {
-  for (const NamedMap& named : all_maps()) {
-    const TexelDistribution distribution(texel_means(named.map));
-    Random random(4);
-    for (int i = 0; i < 20000; ++i) {
-      const Vec2 uv = random.point();
-      if (!lookup_bilinear(named.map, uv).is_black()) {
-        ASSERT_GT(distribution.pdf(uv), 0) << named.name << ' ' << uv;
+TEST(LookupMeans, SupportCoversTheLookup) {
+  for (const MapRows rows : kBothRows)
+    for (const NamedMap& named : all_maps()) {
+      const TexelDistribution distribution(lookup_means(named.map, rows));
+      Random random(4);
+      for (int i = 0; i < 20000; ++i) {
+        const Vec2 uv = random.point();
+        if (!lookup_bilinear(named.map, uv, rows).is_black()) {
+          ASSERT_GT(distribution.pdf(uv), 0) << named.name << ' ' << uv;
+        }
       }
     }
-  }
 }
 
 TEST(RepairMap, ReplacesWhatIsNoRadiance) {
@@ -304,22 +308,36 @@ TEST(LookupBilinear, IsExactAtCentresAndLinearBetween) {
     return Vec2((static_cast<float>(x) + 0.5f) / 6, (static_cast<float>(y) + 0.5f) / 4);
   };
   for (int y = 0; y < 4; ++y)
-    for (int x = 0; x < 6; ++x) EXPECT_NEAR(lookup_bilinear(map, center(x, y)).r, map.at(x, y).r, 1e-5);
+    for (int x = 0; x < 6; ++x)
+      EXPECT_NEAR(lookup_bilinear(map, center(x, y), MapRows::centered).r, map.at(x, y).r, 1e-5);
   const Vec2 between = (center(2, 1) + center(3, 2)) * 0.5f;
-  EXPECT_NEAR(lookup_bilinear(map, between).b, (map.at(2, 1) + map.at(3, 1) + map.at(2, 2) + map.at(3, 2)).b / 4, 1e-5);
+  EXPECT_NEAR(lookup_bilinear(map, between, MapRows::centered).b,
+              (map.at(2, 1) + map.at(3, 1) + map.at(2, 2) + map.at(3, 2)).b / 4, 1e-5);
 }
 
 TEST(LookupBilinear, WrapsAroundAndIsClampedAtThePoles) {
   const Image map = noise(6, 4, 8);
   const float middle = 1.5f / 4;
   const float seam = 0.5f * (map.at(5, 1).r + map.at(0, 1).r);
-  EXPECT_NEAR(lookup_bilinear(map, {0, middle}).r, seam, 1e-6);
-  EXPECT_NEAR(lookup_bilinear(map, {kOneMinusEpsilon, middle}).r, seam, 1e-5);
+  EXPECT_NEAR(lookup_bilinear(map, {0, middle}, MapRows::centered).r, seam, 1e-6);
+  EXPECT_NEAR(lookup_bilinear(map, {kOneMinusEpsilon, middle}, MapRows::centered).r, seam, 1e-5);
   for (int x = 0; x < 6; ++x) {
     const float u = (static_cast<float>(x) + 0.5f) / 6;
-    EXPECT_NEAR(lookup_bilinear(map, {u, 0}).g, map.at(x, 0).g, 1e-5);
-    EXPECT_NEAR(lookup_bilinear(map, {u, 0.1f}).g, map.at(x, 0).g, 1e-5);
-    EXPECT_NEAR(lookup_bilinear(map, {u, kOneMinusEpsilon}).g, map.at(x, 3).g, 1e-5);
+    EXPECT_NEAR(lookup_bilinear(map, {u, 0}, MapRows::centered).g, map.at(x, 0).g, 1e-5);
+    EXPECT_NEAR(lookup_bilinear(map, {u, 0.1f}, MapRows::centered).g, map.at(x, 0).g, 1e-5);
+    EXPECT_NEAR(lookup_bilinear(map, {u, kOneMinusEpsilon}, MapRows::centered).g, map.at(x, 3).g, 1e-5);
+  }
+}
+
+TEST(LookupBilinear, RowsReachFromPoleToPole) {
+  const Image map = noise(6, 5, 9);
+  for (int x = 0; x < 6; ++x) {
+    const float u = (static_cast<float>(x) + 0.5f) / 6;
+    EXPECT_NEAR(lookup_bilinear(map, {u, 0}, MapRows::pole_to_pole).g, map.at(x, 0).g, 1e-5);
+    EXPECT_NEAR(lookup_bilinear(map, {u, 0.5f}, MapRows::pole_to_pole).g, map.at(x, 2).g, 1e-5);
+    EXPECT_NEAR(lookup_bilinear(map, {u, 0.375f}, MapRows::pole_to_pole).g, 0.5f * (map.at(x, 1).g + map.at(x, 2).g),
+                1e-5);
+    EXPECT_NEAR(lookup_bilinear(map, {u, kOneMinusEpsilon}, MapRows::pole_to_pole).g, map.at(x, 4).g, 1e-5);
   }
 }
 

@@ -1,0 +1,599 @@
+#include "lights/light.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "lights/spherical_triangle.h"
+#include "math/frame.h"
+#include "testing/quadrature.h"
+#include "testing/random.h"
+#include "testing/sphere_grid.h"
+
+/// Every light of the list is tested for all that lights promise; a new one is told of by ListIsComplete until it
+/// stands here.
+namespace etendue {
+namespace {
+
+using Vec3d = Imath::V3d;
+
+const Spectrum kRadiance(3, 2, 1);
+const Bounds3 kScene{{-1, -1, -1}, {1, 1, 1}};
+
+/// A light and the points that it is looked at from.
+struct NamedLight {
+  std::string name;
+  Light light;
+  std::vector<Point3> places;
+};
+
+MeshLight::Triangle triangle(const Point3& p0, const Point3& p1, const Point3& p2) {
+  const Vec3 n = cross(p1 - p0, p2 - p0);
+  return {p0, p1, p2, normalize(n), 0.5f * length(n)};
+}
+
+/// The faces of a cube with edge 1 about the origin, shining outwards.
+std::vector<MeshLight::Triangle> cube() {
+  std::vector<MeshLight::Triangle> faces;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const float side : {0.5f, -0.5f}) {
+      const auto corner = [&](float a, float b) {
+        Vec3 p(0);
+        p[axis] = side;
+        p[(axis + 1) % 3] = a;
+        p[(axis + 2) % 3] = side > 0 ? b : -b;
+        return p;
+      };
+      faces.push_back(triangle(corner(-0.5f, -0.5f), corner(0.5f, -0.5f), corner(0.5f, 0.5f)));
+      faces.push_back(triangle(corner(-0.5f, -0.5f), corner(0.5f, 0.5f), corner(-0.5f, 0.5f)));
+    }
+  return faces;
+}
+
+EnvironmentLight environment(int width, int height, bool importance, MapOrientation orientation) {
+  Random random(11);
+  Image map(width, height);
+  for (Spectrum& s : map.pixels()) s = Spectrum(square(random.value()));
+  map.at(width / 3, height / 3) = Spectrum(5);
+  TexelDistribution distribution(lookup_means(map, orientation.rows()));
+  return {std::move(map), std::move(distribution), importance, 2, orientation};
+}
+
+std::vector<NamedLight> all_lights() {
+  // In front of the unit square at y = 0 that shines downwards: far and near, on both sides of where sampling changes
+  // from area to solid angle, at grazing angles, and behind.
+  const std::vector<Point3> below_square = {
+      {0, -30, 0},          {0, -1.45f, 0},   {0, -1.38f, 0},       {1, -1, 2},     {0.2f, -0.1f, 0},
+      {0.4f, -0.01f, 0.3f}, {0, -0.0005f, 0}, {1.5f, -0.05f, 0.2f}, {3, -0.01f, 1}, {0, 1, 0}};
+  const Rectangle square_light({-0.5f, 0, -0.5f}, {1, 0, 0}, {0, 0, 1});
+  const Rectangle strip({-5, 0, -0.05f}, {10, 0, 0}, {0, 0, 0.1f});
+  const Vec3 x = normalize(Vec3(1, 2, 2)), y = normalize(cross(x, Vec3(0.3f, -1, 0.5f)));
+  const Rectangle tilted(Point3(3, -1, 7), x * 0.7f, y * 2);
+  const Vec3 n = tilted.normal;
+  const MeshLight::Triangle one = triangle({0, 0, 0}, {1, 0, 0}, {0, 0, 2});  // shines down, as the rectangles do
+  return {
+      {"point", PointLight{{1, 2, 3}, kRadiance}, {{0, 0, 0}, {1, 2, 2.99f}}},
+      {"spot", SpotLight{{0, 5, 0}, {0, -1, 0}, kRadiance, 0.8f, 4}, {{0, 0, 0}, {1, 1, 0}}},
+      {"directional", DirectionalLight{normalize(Vec3(1, 2, 3)), kRadiance}, {{0, 0, 0}, {100, 0, 0}}},
+      {"square", RectangleLight{square_light, kRadiance}, below_square},
+      {"strip",
+       RectangleLight{strip, kRadiance},
+       {{0, -20, 0}, {0, -1, 0}, {0, -0.1f, 0}, {0, -0.02f, 0}, {4.9f, -0.3f, 1}, {-7, -0.2f, 0.1f}}},
+      {"tilted rectangle",
+       RectangleLight{tilted, kRadiance},
+       {tilted.center() + n * 10, tilted.center() + n + x, tilted.center() + n * 0.1f - y, tilted.center() - n}},
+      {"triangle",
+       MeshLight({one}, kRadiance),
+       {{0, -30, 0},
+        {0.3f, -2.8f, 0.6f},
+        {0.3f, -2.2f, 0.6f},
+        {0.3f, -0.1f, 0.3f},
+        {0.4f, -0.02f, 0.5f},
+        {0.2f, -0.005f, 0.2f},
+        {1.5f, -0.1f, 1},
+        {2, -0.03f, 0},
+        {0, 1, 0}}},
+      {"cube of triangles",
+       MeshLight(cube(), kRadiance),
+       {{9, 3, 4}, {2, 0.3f, 0.1f}, {0.7f, 0.8f, 0.9f}, {0.55f, 0.1f, 0.2f}, {0, 0, 0}}},
+      {"triangles of all sizes",
+       MeshLight(
+           {one, triangle({0, -1, 0}, {0.01f, -1, 0}, {0, -1, 0.01f}), triangle({-5, 1, -5}, {5, 1, -5}, {0, 2, 5})},
+           kRadiance),
+       {{0, -5, 0}, {0.2f, -0.5f, 0.2f}, {0, -1.02f, 0}}},
+      {"sphere",
+       SphereLight{{1, 2, 3}, 1, kRadiance},
+       {{1, 2, 100}, {1, 2, 5}, {1, 3.1f, 3}, {1.6f, 2.8f, 3.1f}, {1, 2, 4.0001f}, {1.2f, 2, 3}}},
+      {"small sphere", SphereLight{{1, 2, 3}, 1e-3f, kRadiance}, {{1, 2, 0}, {1, 2, 3.01f}, {11, 2, 3}}},
+      {"hemisphere", HemisphereLight{kRadiance}, {{0, 0, 0}}},
+      {"map", environment(8, 4, true, {}), {{0, 0, 0}}},
+      {"turned map", environment(7, 5, true, {1, false}), {{0, 0, 0}}},
+      {"mirrored, turned map", environment(8, 4, true, {2, true}), {{0, 0, 0}}},
+      {"map, sampled uniformly", environment(8, 4, false, {0.3f, false}), {{0, 0, 0}}},
+  };
+}
+
+std::string at(const NamedLight& named, const Point3& from) {
+  std::ostringstream out;
+  out << named.name << " seen from " << from;
+  return out.str();
+}
+
+TEST(Light, ListIsComplete) {
+  std::set<std::size_t> alternatives;
+  for (const NamedLight& named : all_lights()) alternatives.insert(named.light.index());
+  EXPECT_EQ(alternatives.size(), std::variant_size_v<Light>) << "a light is missing in all_lights()";
+}
+
+// --- Where directions meet lights, in doubles, by other means than the lights'
+// ---------------------------------------------
+
+struct Crossing {
+  LightHit hit;
+  double distance;
+};
+
+/// A parallelogram (or half of one, with `triangle`) met by the ray from its front.
+std::optional<Crossing> cross_front(const Point3& corner, const Vec3& edge_x, const Vec3& edge_y, const Vec3& normal,
+                                    bool triangle, const Point3& from, const Vec3& wi) {
+  const Vec3d o(from), d(wi), e1(edge_x), e2(edge_y), s = o - Vec3d(corner);
+  if (d.dot(Vec3d(normal)) >= 0) return std::nullopt;
+  const Vec3d h = d.cross(e2), q = s.cross(e1);
+  const double a = e1.dot(h), u = s.dot(h) / a, v = d.dot(q) / a, t = e2.dot(q) / a;
+  if (!(t > 0) || u < 0 || v < 0 || (triangle ? u + v > 1 : u > 1 || v > 1)) return std::nullopt;
+  return Crossing{{Point3(o + d * t), normal}, t};
+}
+
+std::vector<Crossing> crossings(const Light& light, const Point3& from, const Vec3& wi) {
+  std::vector<Crossing> out;
+  const auto add = [&](std::optional<Crossing> crossing, std::uint32_t primitive) {
+    if (!crossing) return;
+    crossing->hit.primitive = primitive;
+    out.push_back(*crossing);
+  };
+  if (const auto* rectangle = std::get_if<RectangleLight>(&light)) {
+    const Rectangle& r = rectangle->rectangle;
+    add(cross_front(r.corner, r.edge_x, r.edge_y, r.normal, false, from, wi), 0);
+  } else if (const auto* mesh = std::get_if<MeshLight>(&light)) {
+    for (std::uint32_t i = 0; i < mesh->triangles.size(); ++i) {
+      const MeshLight::Triangle& t = mesh->triangles[i];
+      add(cross_front(t.p0, t.p1 - t.p0, t.p2 - t.p0, t.normal, true, from, wi), i);
+    }
+  } else if (const auto* sphere = std::get_if<SphereLight>(&light)) {
+    const Vec3d o(from), d(wi), to_center = Vec3d(sphere->center) - o;
+    const double along = to_center.dot(d) / d.length(), off2 = (d.cross(to_center) / d.length()).length2();
+    const double r2 = square(sphere->radius), t = along - std::sqrt(std::max(r2 - off2, 0.0));
+    if (off2 <= r2 && t > 0) {
+      const Point3 p(o + d * t);
+      out.push_back({{p, normalize(p - sphere->center)}, t});
+    }
+  }
+  return out;
+}
+
+/// Density of a direction: of all the surface that is crossed there, for triangles that hide each other are sampled all
+/// the same.
+double density(const Light& light, const Point3& from, const Vec3& wi) {
+  if (is_infinite(light)) return infinite_light_pdf(light, wi);
+  double sum = 0;
+  for (const Crossing& crossing : crossings(light, from, wi)) sum += light_pdf(light, from, crossing.hit);
+  return sum;
+}
+
+// --- What all lights promise
+// -------------------------------------------------------------------------------------------
+
+TEST(Light, SamplesFollowTheDensity) {
+  TestFamily family;
+  for (const NamedLight& named : all_lights()) {
+    if (is_delta(named.light)) continue;
+    for (const Point3& from : named.places) {
+      Random random(1);
+      const auto sample = [&]() -> std::optional<Vec3> {
+        const std::optional<LightSample> s = sample_light(named.light, from, random.point());
+        return s ? std::optional(s->wi) : std::nullopt;
+      };
+      const SphereGrid grid = grid_around(sample);
+      family.add(at(named, from),
+                 direction_test(grid, 40000, sample, [&](const Vec3& w) { return density(named.light, from, w); }).p);
+    }
+  }
+  EXPECT_TRUE(family.holds());
+}
+
+TEST(Light, SamplesLieOnTheLightAndKnowTheirDensity) {
+  for (const NamedLight& named : all_lights()) {
+    if (is_delta(named.light)) continue;
+    for (const Point3& from : named.places) {
+      Random random(2);
+      int samples = 0, beside = 0;
+      for (int i = 0; i < 2000; ++i) {
+        const std::optional<LightSample> s = sample_light(named.light, from, random.point());
+        if (!s) continue;
+        ++samples;
+        ASSERT_FALSE(s->is_delta);
+        ASSERT_NEAR(length(s->wi), 1, 1e-5f) << at(named, from);
+        ASSERT_TRUE(s->pdf > 0 && std::isfinite(s->pdf)) << at(named, from);
+        if (is_infinite(named.light)) {
+          EXPECT_TRUE(std::isinf(s->distance));
+          // A direction next to a texel's edge may be found in the next texel.
+          const double pdf = infinite_light_pdf(named.light, s->wi);
+          if (std::abs(pdf / s->pdf - 1) > 1e-3) ++beside;
+          for (int c = 0; c < 3; ++c)
+            ASSERT_NEAR(s->radiance[c], infinite_light_radiance(named.light, s->wi)[c], 1e-4f * (1 + s->radiance[c]))
+                << at(named, from);
+          continue;
+        }
+        EXPECT_EQ(s->radiance, kRadiance);
+        // The nearest of the crossings at the sample's distance; none if the sample is at the very edge.
+        const Crossing* found = nullptr;
+        const std::vector<Crossing> all = crossings(named.light, from, s->wi);
+        for (const Crossing& c : all)
+          if (found == nullptr || std::abs(c.distance - s->distance) < std::abs(found->distance - s->distance))
+            found = &c;
+        if (found == nullptr) {
+          ++beside;
+          continue;
+        }
+        ASSERT_NEAR(s->distance / found->distance, 1, 3e-5)
+            << at(named, from);  // shadow rays stop 1e-4 before the light
+        ASSERT_NEAR(light_pdf(named.light, from, found->hit) / s->pdf, 1, 5e-3) << at(named, from);
+      }
+      EXPECT_LE(beside, samples / 100) << at(named, from);
+    }
+  }
+}
+
+TEST(Light, DensityIntegratesToTheShareOfSamples) {
+  for (const NamedLight& named : all_lights()) {
+    if (is_delta(named.light)) continue;
+    for (const Point3& from : named.places) {
+      Random random(3);
+      int missing = 0;
+      constexpr int kSamples = 20000;
+      const auto sample = [&]() -> std::optional<Vec3> {
+        const std::optional<LightSample> s = sample_light(named.light, from, random.point());
+        return s ? std::optional(s->wi) : std::nullopt;
+      };
+      for (int i = 0; i < kSamples; ++i) missing += !sample();
+      const double share = 1 - static_cast<double>(missing) / kSamples;
+      const double integral = integrate_sphere(
+          grid_around(sample), [&](const Vec3& w) { return density(named.light, from, w); }, 1e-4);
+      EXPECT_NEAR(integral, share, 0.015) << at(named, from);
+    }
+  }
+}
+
+TEST(Light, IsNeverNan) {
+  const float kEnds[] = {0, 0x1p-24f, 0.5f, kOneMinusEpsilon};
+  for (const NamedLight& named : all_lights()) {
+    std::vector<Point3> places = named.places;
+    // On the light, in its plane, at its corner and middle, very near and very far.
+    for (const Point3& p : {Point3(0, 0, 0), Point3(-0.5f, 0, -0.5f), Point3(2, 0, 2), Point3(0.1f, -1e-10f, 0),
+                            Point3(1, 2, 3), Point3(1, 2, 4), Point3(1e10f, -1e10f, 1e10f)})
+      places.push_back(p);
+    for (const Point3& from : places)
+      for (const float u : kEnds)
+        for (const float v : kEnds) {
+          const std::optional<LightSample> s = sample_light(named.light, from, {u, v});
+          if (!s) continue;
+          EXPECT_TRUE(is_finite(s->wi) && is_finite(s->radiance) && std::isfinite(s->pdf) && s->pdf > 0)
+              << at(named, from) << ' ' << u << ' ' << v;
+          EXPECT_GE(s->distance, 0) << at(named, from);
+        }
+  }
+}
+
+TEST(Light, KindsAreConsistent) {
+  for (const NamedLight& named : all_lights()) {
+    EXPECT_GT(light_power(named.light, kScene), 0) << named.name;
+    EXPECT_TRUE(std::isfinite(light_power(named.light, kScene))) << named.name;
+    const std::optional<LightSample> s = sample_light(named.light, named.places[0], {0.5f, 0.5f});
+    ASSERT_TRUE(s) << named.name;
+    EXPECT_EQ(s->is_delta, is_delta(named.light)) << named.name;
+    if (is_delta(named.light)) {
+      EXPECT_EQ(s->pdf, 1) << named.name;
+      EXPECT_EQ(light_pdf(named.light, {0, 0, 0}, {}), 0) << named.name;
+      EXPECT_EQ(infinite_light_pdf(named.light, s->wi), 0) << named.name;
+    }
+    if (!is_infinite(named.light)) {
+      EXPECT_TRUE(infinite_light_radiance(named.light, {0, 1, 0}).is_black()) << named.name;
+    }
+  }
+}
+
+// --- Closed forms
+// ------------------------------------------------------------------------------------------------------
+
+/// Red irradiance that `light` gives a surface at `from` facing `normal`, by samples spread evenly over the unit
+/// square.
+double irradiance(const Light& light, const Point3& from, const Vec3& normal, int side = 256) {
+  Random random(4);
+  double sum = 0;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const Vec2 jitter = random.point();
+      const Vec2 u((static_cast<float>(x) + jitter.x) / static_cast<float>(side),
+                   (static_cast<float>(y) + jitter.y) / static_cast<float>(side));
+      if (const auto s = sample_light(light, from, {std::min(u.x, kOneMinusEpsilon), std::min(u.y, kOneMinusEpsilon)}))
+        sum += static_cast<double>(s->radiance.r) * std::max(dot(s->wi, normal), 0.0f) / s->pdf;
+    }
+  return sum / side / side;
+}
+
+/// The solid angle from which the light comes: the mean of 1 / pdf.
+double sampled_solid_angle(const Light& light, const Point3& from, int side = 256) {
+  Random random(5);
+  double sum = 0;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const Vec2 jitter = random.point();
+      const Vec2 u((static_cast<float>(x) + jitter.x) / static_cast<float>(side),
+                   (static_cast<float>(y) + jitter.y) / static_cast<float>(side));
+      if (const auto s = sample_light(light, from, {std::min(u.x, kOneMinusEpsilon), std::min(u.y, kOneMinusEpsilon)}))
+        sum += 1 / static_cast<double>(s->pdf);
+    }
+  return sum / side / side;
+}
+
+/// Irradiance per radiance of a polygon that is wholly above the horizon of `normal` (Lambert 1760).
+double polygon_irradiance(const std::vector<Point3>& corners, const Point3& from, const Vec3& normal) {
+  double sum = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec3d a = (Vec3d(corners[i]) - Vec3d(from)).normalized(),
+                b = (Vec3d(corners[(i + 1) % corners.size()]) - Vec3d(from)).normalized();
+    const Vec3d c = a.cross(b);
+    sum += std::atan2(c.length(), a.dot(b)) * c.normalized().dot(Vec3d(normal));
+  }
+  return 0.5 * std::abs(sum);
+}
+
+/// Solid angle of a triangle (Van Oosterom and Strackee 1983), in doubles.
+double triangle_solid_angle(const Point3& p0, const Point3& p1, const Point3& p2, const Point3& from) {
+  const Vec3d a = Vec3d(p0) - Vec3d(from), b = Vec3d(p1) - Vec3d(from), c = Vec3d(p2) - Vec3d(from);
+  const double la = a.length(), lb = b.length(), lc = c.length();
+  return 2 * std::atan2(std::abs(a.dot(b.cross(c))), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+}
+
+/// Places in front of a unit light at y = 0 that shines down; heights from touching to far, beside it and below it.
+std::vector<Point3> places_below(float least_height) {
+  std::vector<Point3> places;
+  for (const float height : {0.0005f, 0.002f, 0.005f, 0.02f, 0.1f, 0.5f, 1.3f, 1.5f, 4.0f, 20.0f})
+    for (const Vec2& beside : {Vec2(0, 0), Vec2(0.45f, 0.2f), Vec2(0.6f, 0.1f), Vec2(1.5f, -0.3f), Vec2(2.5f, 2)})
+      if (height >= least_height) places.push_back({beside.x, -height, beside.y});
+  return places;
+}
+
+/// How well a mean over light samples must agree. Samples by area from a place very close to the light have an enormous
+/// variance, and are nevertheless right: they are judged by the χ² test alone.
+bool by_area_from_close(const Point3& from) {
+  return from.y > -0.0011f && std::abs(from.x) < 0.7f;
+}
+
+TEST(RectangleLight, GivesItsSolidAngleAndIrradiance) {
+  const Rectangle rectangle({-0.5f, 0, -0.5f}, {1, 0, 0}, {0, 0, 1});
+  const RectangleLight light{rectangle, Spectrum(1)};
+  const std::vector<Point3> corners = {{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f}};
+  for (const Point3& from : places_below(0)) {
+    if (by_area_from_close(from)) continue;
+    const double solid_angle = triangle_solid_angle(corners[0], corners[1], corners[2], from) +
+                               triangle_solid_angle(corners[0], corners[2], corners[3], from);
+    EXPECT_NEAR(sampled_solid_angle(light, from) / solid_angle, 1, 3e-3) << from;
+    const double exact = polygon_irradiance(corners, from, {0, 1, 0});
+    EXPECT_NEAR(irradiance(light, from, {0, 1, 0}) / exact, 1, 3e-3) << from;
+  }
+}
+
+TEST(RectangleLight, AgreesWithTheTextbooksFormFactors) {
+  // A corner of the light above the place: parallel, and perpendicular with the light's edge in the receiver's plane.
+  const float a = 0.8f, b = 1.3f, h = 0.7f;
+  const RectangleLight light{Rectangle({0, 0, 0}, {a, 0, 0}, {0, 0, b}), Spectrum(1)};
+  const double x = a / h, y = b / h;
+  const double parallel = (x / std::sqrt(1 + x * x) * std::atan(y / std::sqrt(1 + x * x)) +
+                           y / std::sqrt(1 + y * y) * std::atan(x / std::sqrt(1 + y * y))) /
+                          (2 * std::numbers::pi);
+  EXPECT_NEAR(irradiance(light, {0, -h, 0}, {0, 1, 0}), std::numbers::pi * parallel, 1e-3);
+  // Facing +x: the light's edge x = 0 is straight above, the far edge at distance a.
+  const double y2 = b / std::hypot(static_cast<double>(a), h);
+  const double perpendicular = (std::atan(y) - 1 / std::sqrt(1 + x * x) * std::atan(y2)) / (2 * std::numbers::pi);
+  EXPECT_NEAR(irradiance(light, {0, -h, 0}, {1, 0, 0}), std::numbers::pi * perpendicular, 1e-3);
+}
+
+TEST(RectangleLight, LongStripsAreLitAlongTheirWholeLength) {
+  const RectangleLight light{Rectangle({-5, 0, -0.05f}, {10, 0, 0}, {0, 0, 0.1f}), Spectrum(1)};
+  const RectangleLight across{Rectangle({-0.05f, 0, -5}, {0.1f, 0, 0}, {0, 0, 10}), Spectrum(1)};
+  for (const float height : {0.002f, 0.01f, 0.1f, 1.0f})
+    for (const float along : {0.0f, 2.0f, 4.9f}) {
+      const std::vector<Point3> corners = {{-5, 0, -0.05f}, {5, 0, -0.05f}, {5, 0, 0.05f}, {-5, 0, 0.05f}};
+      const double exact = polygon_irradiance(corners, {along, -height, 0}, {0, 1, 0});
+      EXPECT_NEAR(irradiance(light, {along, -height, 0}, {0, 1, 0}) / exact, 1, 5e-3) << height << ' ' << along;
+      EXPECT_NEAR(irradiance(across, {0, -height, along}, {0, 1, 0}) / exact, 1, 5e-3) << height << ' ' << along;
+    }
+}
+
+TEST(MeshLight, TriangleGivesItsSolidAngleAndIrradiance) {
+  const Point3 p0(-0.5f, 0, -0.5f), p1(0.9f, 0, -0.4f), p2(0, 0, 0.8f);
+  const MeshLight light({triangle(p1, p0, p2)}, Spectrum(1));
+  const MeshLight turned({triangle(p0, p1, p2)}, Spectrum(1));
+  const MeshLight& down = light.triangles[0].normal.y < 0 ? light : turned;
+  for (const Point3& from : places_below(0.012f)) {
+    EXPECT_NEAR(sampled_solid_angle(down, from) / triangle_solid_angle(p0, p1, p2, from), 1, 4e-3) << from;
+    EXPECT_NEAR(irradiance(down, from, {0, 1, 0}) / polygon_irradiance({p0, p1, p2}, from, {0, 1, 0}), 1, 4e-3) << from;
+  }
+}
+
+TEST(MeshLight, TwoTrianglesAreTheRectangle) {
+  const Point3 a(-0.5f, 0, -0.5f), b(0.5f, 0, -0.5f), c(0.5f, 0, 0.5f), d(-0.5f, 0, 0.5f);
+  const MeshLight mesh({triangle(a, b, c), triangle(a, c, d)}, Spectrum(1));
+  ASSERT_LT(mesh.triangles[0].normal.y, 0);
+  for (const Point3& from : {Point3(0, -1, 0), Point3(0.3f, -0.2f, 1), Point3(0, -10, 0)})
+    EXPECT_NEAR(irradiance(mesh, from, {0, 1, 0}) / polygon_irradiance({a, b, c, d}, from, {0, 1, 0}), 1, 4e-3) << from;
+}
+
+TEST(MeshLight, TrianglesWithoutAreaAreLeftAlone) {
+  const MeshLight::Triangle flat{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, -1, 0}, 0};
+  const MeshLight::Triangle one = triangle({0, 0, 0}, {1, 0, 0}, {0, 0, 1});
+  const MeshLight light({flat, one, flat}, Spectrum(1));
+  EXPECT_NEAR(irradiance(light, {0.2f, -1, 0.2f}, {0, 1, 0}),
+              polygon_irradiance({one.p0, one.p1, one.p2}, {0.2f, -1, 0.2f}, {0, 1, 0}), 1e-3);
+}
+
+TEST(SphericalTriangle, HasItsSolidAngle) {
+  Random random(6);
+  for (int i = 0; i < 2000; ++i) {
+    const Point3 a = random.direction(), b = random.direction() * 2, c = random.direction() * 0.5f;
+    const SphericalTriangle triangle(a, b, c, {0, 0, 0});
+    EXPECT_NEAR(triangle.solid_angle(), triangle_solid_angle(a, b, c, {0, 0, 0}), 1e-5);
+  }
+  // An octant, and one seen from its own plane.
+  EXPECT_NEAR(SphericalTriangle({1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}).solid_angle(), kPi / 2, 1e-6);
+  EXPECT_EQ(SphericalTriangle({1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {0, 0, 0}).solid_angle(), 0);
+}
+
+TEST(SphericalRectangle, HasItsSolidAngle) {
+  // Each face of a cube seen from its middle is a sixth of the sphere.
+  EXPECT_NEAR(SphericalRectangle(Rectangle({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}), {0, 0, 0}).solid_angle(), 4 * kPi / 6,
+              1e-5);
+  EXPECT_NEAR(SphericalRectangle(Rectangle({-1e3f, -1e3f, 1}, {2e3f, 0, 0}, {0, 2e3f, 0}), {0, 0, 0}).solid_angle(),
+              2 * kPi, 1e-2);
+}
+
+TEST(SphereLight, GivesTheIrradianceOfASphere) {
+  // E = π L (r / d)² on a surface that faces the centre and sees the whole sphere.
+  for (const float radius : {1e-4f, 0.1f, 1.0f})
+    for (const float ratio : {1.001f, 1.1f, 2.0f, 10.0f, 1000.0f}) {
+      const SphereLight light{{0, 0, 0}, radius, Spectrum(1)};
+      const float d = radius * ratio;
+      EXPECT_NEAR(irradiance(light, {0, d, 0}, {0, -1, 0}) * ratio * ratio / std::numbers::pi, 1, 1e-3)
+          << radius << ' ' << ratio;
+      const double exact = 2 * std::numbers::pi * (1 - std::sqrt(1 - 1 / (static_cast<double>(ratio) * ratio)));
+      EXPECT_NEAR(sampled_solid_angle(light, {0, d, 0}, 16) / exact, 1, 1e-3) << radius << ' ' << ratio;
+    }
+}
+
+TEST(SphereLight, IsDarkFromInside) {
+  const SphereLight light{{1, 2, 3}, 2, Spectrum(1)};
+  for (const Point3& from : {Point3(1, 2, 3), Point3(1, 2, 4.9f), Point3(2, 2, 3)}) {
+    EXPECT_FALSE(sample_light(light, from, {0.3f, 0.7f}));
+    EXPECT_EQ(light_pdf(light, from, {{1, 2, 5}, {0, 0, 1}}), 0);
+  }
+}
+
+TEST(SphereLight, DistanceIsRightFromVeryClose) {
+  // Emissive spheres stand on floors: the shadow ray must end before the sphere, at whatever height it begins.
+  const SphereLight light{{0, 0, 0}, 1, Spectrum(1)};
+  for (const float height : {1e-5f, 1e-4f, 1e-3f, 0.1f}) {
+    const Point3 from(0, 1 + height, 0);
+    Random random(7);
+    for (int i = 0; i < 1000; ++i) {
+      const auto s = sample_light(light, from, random.point());
+      ASSERT_TRUE(s);
+      const std::vector<Crossing> found = crossings(light, from, s->wi);
+      if (found.empty()) continue;  // at the very rim
+      EXPECT_NEAR(s->distance / found[0].distance, 1, 3e-5 + 2e-7 / height) << height;
+    }
+  }
+}
+
+TEST(AreaLights, BackSidesAreDark) {
+  const RectangleLight rectangle{Rectangle({-0.5f, 0, -0.5f}, {1, 0, 0}, {0, 0, 1}), Spectrum(1)};
+  const MeshLight mesh({triangle({0, 0, 0}, {1, 0, 0}, {0, 0, 1})}, Spectrum(1));
+  for (const float y : {0.0f, 1e-3f, 1.0f, 100.0f}) {  // both shine down
+    const Point3 from(0.1f, y, 0.1f);
+    EXPECT_FALSE(sample_light(rectangle, from, {0.5f, 0.5f})) << y;
+    EXPECT_FALSE(sample_light(mesh, from, {0.5f, 0.5f})) << y;
+    EXPECT_EQ(light_pdf(rectangle, from, {{0, 0, 0}, {0, -1, 0}}), 0) << y;
+    EXPECT_EQ(light_pdf(mesh, from, {{0.2f, 0, 0.2f}, {0, -1, 0}}), 0) << y;
+  }
+}
+
+TEST(PointLight, FallsOffWithTheSquaredDistance) {
+  const PointLight light{{0, 4, 0}, Spectrum(10)};
+  EXPECT_NEAR(irradiance(light, {0, 0, 0}, {0, 1, 0}, 1), 10.0 / 16, 1e-6);
+  EXPECT_NEAR(irradiance(light, {3, 0, 0}, {0, 1, 0}, 1), 10.0 / 25 * 4 / 5, 1e-6);
+  EXPECT_NEAR(sample_light(light, {3, 0, 0}, {})->distance, 5, 1e-6);
+  EXPECT_FALSE(sample_light(light, {0, 4, 0}, {}));
+  EXPECT_NEAR(light_power(light, kScene), 4 * kPi * 10, 1e-3);
+}
+
+TEST(SpotLight, ShinesWithinItsCone) {
+  const SpotLight light{{0, 4, 0}, {0, -1, 0}, Spectrum(10), std::cos(radians(40)), 3};
+  EXPECT_NEAR(irradiance(light, {0, 0, 0}, {0, 1, 0}, 1), 10.0 / 16, 1e-6);
+  EXPECT_NEAR(irradiance(light, {3, 0, 0}, {0, 1, 0}, 1), 10.0 / 25 * std::pow(4.0 / 5, 3) * 4 / 5, 1e-6);
+  EXPECT_FALSE(sample_light(light, {4, 0, 0}, {}));  // 45 degrees
+  EXPECT_FALSE(sample_light(light, {0, 5, 0}, {}));  // behind
+}
+
+TEST(DirectionalLight, GivesItsIrradiance) {
+  const DirectionalLight light{normalize(Vec3(0, 1, 1)), Spectrum(10)};
+  EXPECT_NEAR(irradiance(light, {7, -3, 2}, normalize(Vec3(0, 1, 1)), 1), 10, 1e-5);
+  EXPECT_NEAR(irradiance(light, {0, 0, 0}, {0, 1, 0}, 1), 10 * std::sqrt(0.5), 1e-5);
+  EXPECT_TRUE(std::isinf(sample_light(light, {0, 0, 0}, {})->distance));
+}
+
+TEST(HemisphereLight, GivesPiFromAbove) {
+  const HemisphereLight light{Spectrum(1)};
+  EXPECT_NEAR(irradiance(light, {0, 0, 0}, {0, 1, 0}), std::numbers::pi, 1e-3);
+  EXPECT_NEAR(irradiance(light, {0, 0, 0}, {1, 0, 0}), std::numbers::pi / 2, 1e-3);  // sees half of it
+  EXPECT_EQ(irradiance(light, {0, 0, 0}, {0, -1, 0}), 0);
+  EXPECT_TRUE(infinite_light_radiance(light, normalize(Vec3(1, -0.1f, 0))).is_black());
+}
+
+TEST(EnvironmentLight, UniformSkyGivesPi) {
+  const Image white(6, 3, Spectrum(1));
+  for (const bool importance : {true, false})
+    for (const MapOrientation orientation : {MapOrientation{}, MapOrientation{1, true}}) {
+      const EnvironmentLight light{white, TexelDistribution(lookup_means(white, orientation.rows())), importance, 1,
+                                   orientation};
+      for (const Vec3& normal : {Vec3(0, 1, 0), Vec3(0, -1, 0), normalize(Vec3(1, 2, -3))})
+        EXPECT_NEAR(irradiance(light, {0, 0, 0}, normal), std::numbers::pi, 5e-3);
+      EXPECT_NEAR(sampled_solid_angle(light, {0, 0, 0}), 4 * std::numbers::pi, 1e-2);
+    }
+}
+
+TEST(EnvironmentLight, ImportanceAndUniformSamplingAgree) {
+  for (const MapOrientation orientation : {MapOrientation{}, MapOrientation{2.5f, false}, MapOrientation{1, true}}) {
+    const EnvironmentLight important = environment(16, 8, true, orientation),
+                           uniform = environment(16, 8, false, orientation);
+    for (const Vec3& normal : {Vec3(0, 1, 0), normalize(Vec3(1, -2, 3)), Vec3(-1, 0, 0)}) {
+      const double a = irradiance(important, {0, 0, 0}, normal), b = irradiance(uniform, {0, 0, 0}, normal);
+      EXPECT_NEAR(a / b, 1, 5e-3);
+    }
+  }
+}
+
+TEST(EnvironmentLight, OneTexelSunIsFoundByImportance) {
+  Image map(512, 256);
+  map.at(100, 60) = Spectrum(1e6f);
+  for (const MapOrientation orientation : {MapOrientation{}, MapOrientation{0, true}}) {
+    const EnvironmentLight light{map, TexelDistribution(lookup_means(map, orientation.rows())), true, 1, orientation};
+    // The bilinear lookup makes a tent of it, whose integral is that of one cell.
+    const bool centered = orientation.rows() == MapRows::centered;
+    const double rows = centered ? 256 : 255, v = (centered ? 60.5 : 60.0) / rows;
+    const double cell = 2 * std::numbers::pi / 512 * std::numbers::pi / rows * std::sin(std::numbers::pi * v);
+    const Vec3 towards = uv_to_direction(orientation, {100.5f / 512, static_cast<float>(v)});
+    EXPECT_NEAR(irradiance(light, {0, 0, 0}, towards) / (1e6 * cell), 1, 5e-3);
+  }
+}
+
+TEST(EnvironmentLight, BlackMapGivesNothingButIsNoTrouble) {
+  const Image black(8, 4);
+  const EnvironmentLight light{black, TexelDistribution(lookup_means(black, MapRows::pole_to_pole)), true, 1, {}};
+  EXPECT_EQ(irradiance(light, {0, 0, 0}, {0, 1, 0}), 0);
+  EXPECT_EQ(light_power(light, kScene), 0);
+  EXPECT_NEAR(sampled_solid_angle(light, {0, 0, 0}), 4 * std::numbers::pi, 1e-2);
+}
+
+TEST(LightPower, IsTheEmittedFlux) {
+  // Rough by contract, but exact for Lambertian surfaces: π times area times radiance.
+  const float pi = kPi;
+  EXPECT_NEAR(light_power(RectangleLight{Rectangle({0, 0, 0}, {2, 0, 0}, {0, 3, 0}), Spectrum(1)}, kScene), pi * 6,
+              1e-4);
+  EXPECT_NEAR(light_power(MeshLight(cube(), Spectrum(1)), kScene), pi * 6, 1e-4);
+  EXPECT_NEAR(light_power(SphereLight{{0, 0, 0}, 2, Spectrum(1)}, kScene), pi * 16 * pi, 1e-3);
+}
+
+}  // namespace
+}  // namespace etendue
