@@ -127,6 +127,7 @@ void Geometry::build() {
 }
 
 RayHit Geometry::intersect(const Ray& ray) const {
+  if (recorder_ != nullptr) recorder_->record(std::span(&ray, 1), false);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit query;
@@ -138,6 +139,7 @@ RayHit Geometry::intersect(const Ray& ray) const {
 }
 
 void Geometry::intersect_coherent(std::span<const Ray> rays, std::span<RayHit> hits) const {
+  if (recorder_ != nullptr) recorder_->record(rays, false);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -156,6 +158,7 @@ void Geometry::intersect_coherent(std::span<const Ray> rays, std::span<RayHit> h
 }
 
 std::uint32_t Geometry::occluded(std::span<const Ray> rays) const {
+  if (recorder_ != nullptr) recorder_->record(rays, true);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   const int count = static_cast<int>(rays.size());

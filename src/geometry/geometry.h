@@ -46,6 +46,13 @@ struct SurfaceHit {
   float error = 0;        ///< bound of the position's rounding error: how far a ray must start off the surface
 };
 
+/// Sees every ray that a Geometry traces: for measuring what tracing alone costs. Called by the tracing thread.
+class RayRecorder {
+ public:
+  virtual ~RayRecorder() = default;
+  virtual void record(std::span<const Ray> rays, bool occlusion) = 0;
+};
+
 /// All shapes of a scene in one acceleration structure. Immutable after build; all queries are thread-safe.
 class Geometry {
  public:
@@ -74,6 +81,9 @@ class Geometry {
   /// Texture coordinates there: the mesh's, or its barycentric weights if it has none; on a sphere longitude and latitude, v up.
   Vec2 texture_coordinates(const RayHit& hit, const SurfaceHit& surface) const;
 
+  /// From now on `recorder` sees all rays; nullptr: none does. Not while rays are traced.
+  void set_recorder(RayRecorder* recorder) { recorder_ = recorder; }
+
   bool is_sphere(std::uint32_t shape) const { return shapes_[shape].is_sphere; }
   const TriangleMesh& mesh(std::uint32_t shape) const { return meshes_[shapes_[shape].index]; }
   const SphereShape& sphere(std::uint32_t shape) const { return spheres_[shapes_[shape].index]; }
@@ -95,6 +105,7 @@ class Geometry {
   std::size_t triangle_count_ = 0;
   Bounds3 bounds_;
   std::unique_ptr<Embree> embree_;
+  RayRecorder* recorder_ = nullptr;
 };
 
 /// Start of a ray that leaves `hit` into `direction`: off the surface, on the side that the direction points to, by more than the

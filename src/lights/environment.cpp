@@ -31,12 +31,22 @@ struct Interval {
   float width;     ///< its probability
 };
 
-Interval find_interval(std::span<const float> cdf, float u) {
-  const auto upper = std::upper_bound(cdf.begin(), cdf.end() - 1, u);
-  const auto index = static_cast<int>(upper - cdf.begin());
+void fill_guide(std::span<const float> cdf, std::span<std::uint16_t> guide) {
+  std::uint32_t index = 0;
+  for (std::size_t i = 0; i < guide.size(); ++i) {
+    const float u = static_cast<float>(i) / static_cast<float>(guide.size());
+    while (index + 1 < cdf.size() && cdf[index] <= u) ++index;
+    guide[i] = static_cast<std::uint16_t>(std::min<std::uint32_t>(index, 0xffff));
+  }
+}
+
+Interval find_interval(std::span<const float> cdf, std::span<const std::uint16_t> guide, float u) {
+  std::size_t index = guide[static_cast<std::size_t>(u * static_cast<float>(guide.size()))];
+  while (index > 0 && cdf[index - 1] > u) --index;  // where rounding of u · n overshot
+  while (index + 1 < cdf.size() && cdf[index] <= u) ++index;
   const float begin = index > 0 ? cdf[index - 1] : 0.0f;
   const float width = cdf[index] - begin;
-  return {index, width > 0 ? std::min((u - begin) / width, kOneMinusEpsilon) : 0.0f, width};
+  return {static_cast<int>(index), width > 0 ? std::min((u - begin) / width, kOneMinusEpsilon) : 0.0f, width};
 }
 
 }  // namespace
@@ -46,7 +56,8 @@ TexelDistribution::TexelDistribution(const Image& map)
       height_(map.height()),
       row_cdf_(map.height()),
       column_cdf_(map.pixels().size()),
-      density_(map.pixels().size()) {
+      row_guide_(map.height()),
+      column_guide_(map.pixels().size()) {
   std::vector<double> texels(width_), rows(height_);
   double total = 0;
   for (const Spectrum& s : map.pixels()) total += s.luminance();
@@ -56,23 +67,19 @@ TexelDistribution::TexelDistribution(const Image& map)
       rows[y] += texels[x];
     }
     rows[y] *= row_solid_angle(y, height_);
-    cumulate(texels, std::span(column_cdf_).subspan(static_cast<std::size_t>(y) * width_, width_));
+    const std::size_t row = static_cast<std::size_t>(y) * width_;
+    cumulate(texels, std::span(column_cdf_).subspan(row, width_));
+    fill_guide(std::span(column_cdf_).subspan(row, width_), std::span(column_guide_).subspan(row, width_));
   }
   cumulate(rows, row_cdf_);
-  // The density of what is really sampled: the product of the two intervals as rounding left them.
-  for (int y = 0; y < height_; ++y) {
-    const float row = row_cdf_[y] - (y > 0 ? row_cdf_[y - 1] : 0.0f);
-    for (int x = 0; x < width_; ++x) {
-      const float column = column_cdf(y, x) - (x > 0 ? column_cdf(y, x - 1) : 0.0f);
-      density_[static_cast<std::size_t>(y) * width_ + x] = row * column * static_cast<float>(width_) * static_cast<float>(height_);
-    }
-  }
+  fill_guide(row_cdf_, row_guide_);
 }
 
 TexelDistribution::Sample TexelDistribution::sample(Vec2 u) const {
-  const Interval row = find_interval(row_cdf_, u.y);
-  const Interval column =
-      find_interval(std::span(column_cdf_).subspan(static_cast<std::size_t>(row.index) * width_, width_), u.x);
+  const Interval row = find_interval(row_cdf_, row_guide_, u.y);
+  const std::size_t begin = static_cast<std::size_t>(row.index) * width_;
+  const Interval column = find_interval(std::span(column_cdf_).subspan(begin, width_),
+                                        std::span(column_guide_).subspan(begin, width_), u.x);
   const float x = (static_cast<float>(column.index) + column.remapped) / static_cast<float>(width_);
   const float y = (static_cast<float>(row.index) + row.remapped) / static_cast<float>(height_);
   return {{std::min(x, kOneMinusEpsilon), std::min(y, kOneMinusEpsilon)},
@@ -82,7 +89,10 @@ TexelDistribution::Sample TexelDistribution::sample(Vec2 u) const {
 float TexelDistribution::pdf(Vec2 uv) const {
   const int x = std::clamp(static_cast<int>(uv.x * static_cast<float>(width_)), 0, width_ - 1);
   const int y = std::clamp(static_cast<int>(uv.y * static_cast<float>(height_)), 0, height_ - 1);
-  return density_[static_cast<std::size_t>(y) * width_ + x];
+  // The product of the two intervals as rounding left them: the density of what is really sampled.
+  const float row = row_cdf(y) - (y > 0 ? row_cdf(y - 1) : 0.0f);
+  const float column = column_cdf(y, x) - (x > 0 ? column_cdf(y, x - 1) : 0.0f);
+  return row * column * static_cast<float>(width_) * static_cast<float>(height_);
 }
 
 Image lookup_means(const Image& map, MapRows rows) {

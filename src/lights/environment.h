@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "image/image.h"
@@ -34,7 +35,10 @@ class TexelDistribution {
   int width_ = 0, height_ = 0;
   std::vector<float> row_cdf_;     ///< height_ values, the last is 1
   std::vector<float> column_cdf_;  ///< width_ values a row, the last of each is 1
-  std::vector<float> density_;     ///< pdf per uv area, one a texel
+  // Where to start looking for u in a CDF of n values: the first index whose value exceeds ⌊u n⌋ / n (Chen and Asau 1974), at
+  // most 65535. Small, as is everything here: sampling a large map waits for memory.
+  std::vector<std::uint16_t> row_guide_;
+  std::vector<std::uint16_t> column_guide_;
 };
 
 /// Where a map's rows stand between the zenith (v = 0) and the nadir (v = 1).

@@ -30,8 +30,11 @@ std::optional<LightSample> HemisphereLight::sample(const Point3&, Vec2 u) const 
   return LightSample{{w.x, w.z, w.y}, kInfinity, emitted, hemisphere_uniform_pdf(w)};
 }
 
-Spectrum HemisphereLight::radiance(const Vec3& wi) const { return wi.y >= 0 ? emitted : Spectrum(0); }
-float HemisphereLight::pdf_direction(const Vec3& wi) const { return hemisphere_uniform_pdf({wi.x, wi.z, wi.y}); }
+InfiniteView HemisphereLight::look(const Vec3& wi) const {
+  if (wi.y < 0) return {};
+  return {emitted, hemisphere_uniform_pdf({wi.x, wi.z, wi.y})};
+}
+
 float HemisphereLight::power(const Bounds3& scene) const {
   return 2 * kPi * emitted.luminance() * scene_disk_area(scene);
 }
@@ -39,7 +42,7 @@ float HemisphereLight::power(const Bounds3& scene) const {
 std::optional<LightSample> EnvironmentLight::sample(const Point3&, Vec2 u) const {
   if (!importance) {
     const Vec3 w = sample_sphere_uniform(u);
-    return LightSample{w, kInfinity, radiance(w), sphere_uniform_pdf()};
+    return LightSample{w, kInfinity, look(w).radiance, sphere_uniform_pdf()};
   }
   const TexelDistribution::Sample texel = distribution.sample(u);
   const Vec3 w = uv_to_direction(orientation, texel.uv);
@@ -48,13 +51,10 @@ std::optional<LightSample> EnvironmentLight::sample(const Point3&, Vec2 u) const
   return LightSample{w, kInfinity, lookup_bilinear(map, texel.uv, orientation.rows()) * intensity, pdf};
 }
 
-Spectrum EnvironmentLight::radiance(const Vec3& wi) const {
-  return lookup_bilinear(map, direction_to_uv(orientation, wi), orientation.rows()) * intensity;
-}
-
-float EnvironmentLight::pdf_direction(const Vec3& wi) const {
-  if (!importance) return sphere_uniform_pdf();
-  return uv_to_solid_angle(distribution.pdf(direction_to_uv(orientation, wi)), wi);
+InfiniteView EnvironmentLight::look(const Vec3& wi) const {
+  const Vec2 uv = direction_to_uv(orientation, wi);
+  const float pdf = importance ? uv_to_solid_angle(distribution.pdf(uv), wi) : sphere_uniform_pdf();
+  return {lookup_bilinear(map, uv, orientation.rows()) * intensity, pdf};
 }
 
 float EnvironmentLight::power(const Bounds3& scene) const {

@@ -50,24 +50,13 @@ float light_pdf(const Light& light, const Point3& from, const LightHit& hit) {
       light);
 }
 
-float infinite_light_pdf(const Light& light, const Vec3& wi) {
+InfiniteView look_at_infinity(const Light& light, const Vec3& wi) {
   return std::visit(
       [&]<typename T>(const T& l) {
         if constexpr (InfiniteLight<T>)
-          return l.pdf_direction(wi);
+          return l.look(wi);
         else
-          return 0.0f;
-      },
-      light);
-}
-
-Spectrum infinite_light_radiance(const Light& light, const Vec3& wi) {
-  return std::visit(
-      [&]<typename T>(const T& l) {
-        if constexpr (InfiniteLight<T>)
-          return l.radiance(wi);
-        else
-          return Spectrum(0);
+          return InfiniteView{};
       },
       light);
 }

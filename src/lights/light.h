@@ -33,8 +33,8 @@ struct LightHit {
   std::uint32_t primitive = 0;  ///< triangle within the mesh
 };
 
-/// What every light offers. `pdf_hit`: density per solid angle, at `from`, of sample() giving the direction to `hit` (finite lights) or
-/// the direction `wi` (infinite ones). `power`: emitted flux in W, roughly, for choosing among lights.
+/// What every light offers. `pdf_hit` of those with a surface: density per solid angle, at `from`, of sample() giving the direction to
+/// `hit`. `power`: emitted flux in W, roughly, for choosing among lights.
 template <typename T>
 concept LightModel = requires(const T& light, const Point3& from, Vec2 u, const Bounds3& scene) {
   { light.sample(from, u) } -> std::same_as<std::optional<LightSample>>;
@@ -47,10 +47,15 @@ concept FiniteAreaLight = LightModel<T> && requires(const T& light, const Point3
   { light.pdf_hit(from, hit) } -> std::same_as<float>;
 };
 
+/// What a ray into the void sees of a light at infinity, and the density per solid angle with which sample() gives its direction.
+struct InfiniteView {
+  Spectrum radiance;
+  float pdf = 0;
+};
+
 template <typename T>
 concept InfiniteLight = LightModel<T> && requires(const T& light, const Vec3& wi) {
-  { light.radiance(wi) } -> std::same_as<Spectrum>;
-  { light.pdf_direction(wi) } -> std::same_as<float>;
+  { light.look(wi) } -> std::same_as<InfiniteView>;
 };
 
 struct PointLight {
@@ -130,8 +135,7 @@ struct HemisphereLight {
   Spectrum emitted;
 
   std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
-  Spectrum radiance(const Vec3& wi) const;
-  float pdf_direction(const Vec3& wi) const;
+  InfiniteView look(const Vec3& wi) const;
   float power(const Bounds3& scene) const;
 };
 
@@ -145,8 +149,7 @@ struct EnvironmentLight {
   MapOrientation orientation;
 
   std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
-  Spectrum radiance(const Vec3& wi) const;
-  float pdf_direction(const Vec3& wi) const;
+  InfiniteView look(const Vec3& wi) const;
   float power(const Bounds3& scene) const;
 };
 
@@ -158,10 +161,8 @@ using Light = std::variant<PointLight, SpotLight, DirectionalLight, RectangleLig
 std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u);
 /// Density with which sample_light gives the direction to a point of a finite light; 0 for lights without surface.
 float light_pdf(const Light& light, const Point3& from, const LightHit& hit);
-/// The same for the direction `wi` towards an infinite light.
-float infinite_light_pdf(const Light& light, const Vec3& wi);
-/// Radiance from infinity along wi; black for lights that are not there.
-Spectrum infinite_light_radiance(const Light& light, const Vec3& wi);
+/// What is seen of an infinite light along wi; black with density 0 for lights that are not at infinity.
+InfiniteView look_at_infinity(const Light& light, const Vec3& wi);
 bool is_infinite(const Light& light);
 bool is_delta(const Light& light);
 /// Emitted flux in W, roughly.

@@ -18,16 +18,17 @@ struct Rectangle {
 };
 
 /// The rectangle seen from a point, as a spherical rectangle of which points are drawn uniformly by solid angle
-/// (Ureña, Fajardo, King 2013, "An Area-Preserving Parametrization for Spherical Rectangles").
+/// (Ureña, Fajardo, King 2013, "An Area-Preserving Parametrization for Spherical Rectangles"). In doubles: the angles are differences that
+/// nearly cancel, for long strips and grazing views.
 class SphericalRectangle {
  public:
   SphericalRectangle(const Rectangle& rectangle, const Point3& from);
-  float solid_angle() const { return solid_angle_; }
+  float solid_angle() const { return static_cast<float>(solid_angle_); }
   Point3 sample(const Rectangle& rectangle, Vec2 u) const;
 
  private:
-  float x0_, y0_, x1_, y1_, z0_;
-  float b0_, b1_, k_, solid_angle_;
+  double x0_, y0_, x1_, y1_, z0_;
+  double b0_, b1_, k_, solid_angle_;
 };
 
 }  // namespace etendue

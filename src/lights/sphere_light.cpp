@@ -20,9 +20,9 @@ std::optional<LightSample> SphereLight::sample(const Point3& from, Vec2 u) const
   const float one_minus_cos = subtended_one_minus_cos(r2, d2);
   const float d = std::sqrt(d2);
   const Vec3 local = sample_cone_uniform(u, one_minus_cos);
-  // Nearer intersection of the chosen direction: d cos θ − √(r² − d² sin² θ).
+  // Nearer intersection of the chosen direction, d cos θ − √(r² − d² sin² θ), without that difference: it cancels near the sphere.
   const float sin2 = square(local.x) + square(local.y);
-  const float distance = d * local.z - safe_sqrt(r2 - d2 * sin2);
+  const float distance = (d - radius) * (d + radius) / (d * local.z + safe_sqrt(r2 - d2 * sin2));
   return LightSample{Frame::from_normal(to_center * (1 / d)).to_world(local), distance, emitted,
                      cone_uniform_pdf(one_minus_cos)};
 }

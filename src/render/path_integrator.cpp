@@ -144,13 +144,9 @@ void PathIntegrator::Batch::see_infinity(int i) {
   const Path& path = paths_[i];
   if (!counts_emission(path)) return;
   for (const std::uint32_t index : scene_.infinite_lights) {
-    const Light& light = scene_.lights[index];
-    const Spectrum radiance = infinite_light_radiance(light, path.ray.direction);
-    if (radiance.is_black()) continue;
-    float weight = 1;
-    if (path.pdf_bsdf > 0)
-      weight = mis_weight(path.pdf_bsdf, infinite_light_pdf(light, path.ray.direction) * self_.plan(index).density());
-    samples_[i].radiance += path.throughput * radiance * weight;
+    const InfiniteView view = look_at_infinity(scene_.lights[index], path.ray.direction);
+    const float weight = path.pdf_bsdf > 0 ? mis_weight(path.pdf_bsdf, view.pdf * self_.plan(index).density()) : 1.0f;
+    samples_[i].radiance += path.throughput * view.radiance * weight;
   }
 }
 
@@ -271,7 +267,7 @@ Spectrum PathIntegrator::Batch::emission_along(const Ray& ray) {
   Spectrum radiance;
   if (!hit.found()) {
     for (const std::uint32_t light : scene_.infinite_lights)
-      radiance += infinite_light_radiance(scene_.lights[light], ray.direction);
+      radiance += look_at_infinity(scene_.lights[light], ray.direction).radiance;
     return radiance;
   }
   const RenderScene::Data::ShapeInfo& shape = scene_.shapes[hit.shape];

@@ -50,24 +50,6 @@ double integrate_sphere(const SphereGrid& grid, const SphereGrid::Density& densi
   return std::accumulate(cells.begin(), cells.end(), 0.0);
 }
 
-SphereGrid grid_around(const DirectionSampler& sample) {
-  constexpr int kCount = 2000;
-  std::vector<Vec3> directions;
-  Vec3 sum(0);
-  for (int i = 0; i < kCount; ++i)
-    if (const std::optional<Vec3> direction = sample()) {
-      directions.push_back(*direction);
-      sum += *direction;
-    }
-  if (length(sum) < 0.1f * kCount) return SphereGrid();  // from all around
-  const Vec3 axis = normalize(sum);
-  std::vector<double> tangents;  // of half the angle to the axis
-  for (const Vec3& w : directions) tangents.push_back(length(cross(axis, w)) / std::max(1 + dot(axis, w), 1e-3f));
-  const auto middle = tangents.begin() + static_cast<std::ptrdiff_t>(tangents.size() / 2);
-  std::nth_element(tangents.begin(), middle, tangents.end());
-  return SphereGrid(axis, *middle);
-}
-
 ChiSquareTest direction_test(const SphereGrid& grid, int count, const DirectionSampler& sample,
                              const SphereGrid::Density& density) {
   std::vector<double> expected = grid.integrals(density, 1.0 / count);  // to a fraction of a direction

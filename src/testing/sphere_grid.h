@@ -36,9 +36,6 @@ double integrate_sphere(const SphereGrid& grid, const SphereGrid::Density& densi
 /// One direction of a distribution, or none.
 using DirectionSampler = std::function<std::optional<Vec3>()>;
 
-/// A grid about the mean direction of a distribution and about as wide as it is.
-SphereGrid grid_around(const DirectionSampler& sample);
-
 /// That `count` directions follow `density`; what is missing of its integral to 1 is the probability of no direction.
 ChiSquareTest direction_test(const SphereGrid& grid, int count, const DirectionSampler& sample,
                              const SphereGrid::Density& density);

@@ -111,15 +111,15 @@ TEST(Triangle, IsMissedBesideAndBeyond) {
 
 TEST(Triangle, InterpolatesNormalsAndTextureCoordinates) {
   const Geometry geometry = built(one_triangle());
-  const Ray ray{{0.5f, 0.25f, 1}, {0, 0, -1}};
+  const Ray ray{{0.4f, 0.5f, 1}, {0, 0, -1}};  // weights 0.3, 0.2, 0.5
   const RayHit hit = geometry.intersect(ray);
   const SurfaceHit surface = geometry.surface(ray, hit);
   const float h = std::sqrt(0.5f);
-  const Vec3 expected = normalize(Vec3(-h, 0, h) * 0.5f + Vec3(h, 0, h) * 0.25f + Vec3(0, 0, 1) * 0.25f);
+  const Vec3 expected = normalize(Vec3(-h, 0, h) * 0.3f + Vec3(h, 0, h) * 0.2f + Vec3(0, 0, 1) * 0.5f);
   expect_near(surface.shading_normal, expected, 1e-6f);
   const Vec2 uv = geometry.texture_coordinates(hit, surface);
-  EXPECT_NEAR(uv.x, 0.75f, 1e-6);
-  EXPECT_NEAR(uv.y, 0.75f, 1e-6);
+  EXPECT_NEAR(uv.x, 0.5f + 0.2f, 1e-6);
+  EXPECT_NEAR(uv.y, 0.25f + 0.5f * 2, 1e-6);
 }
 
 TEST(Triangle, WithoutNormalsAndCoordinatesIsFlat) {

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <limits>
+#include <numeric>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -173,13 +177,130 @@ std::vector<Crossing> crossings(const Light& light, const Point3& from, const Ve
   return out;
 }
 
-/// Density of a direction: of all the surface that is crossed there, for triangles that hide each other are sampled all
-/// the same.
-double density(const Light& light, const Point3& from, const Vec3& wi) {
-  if (is_infinite(light)) return infinite_light_pdf(light, wi);
-  double sum = 0;
-  for (const Crossing& crossing : crossings(light, from, wi)) sum += light_pdf(light, from, crossing.hit);
-  return sum;
+// --- Cells over what a light is sampled by: its surface, or the directions to it
+// ------------------------------------------
+
+struct Cells {
+  std::vector<double> expected;  ///< probability of each by the light's density, integrated over it
+  std::function<std::size_t(const LightSample&)> cell_of;
+};
+
+/// A flat piece of a light: a parallelogram, or the triangle that is half of it.
+struct Patch {
+  Point3 corner;
+  Vec3 edge_x, edge_y, normal;
+  bool triangle;
+};
+
+std::vector<Patch> patches_of(const Light& light) {
+  if (const auto* rectangle = std::get_if<RectangleLight>(&light)) {
+    const Rectangle& r = rectangle->rectangle;
+    return {{r.corner, r.edge_x, r.edge_y, r.normal, false}};
+  }
+  std::vector<Patch> patches;
+  if (const auto* mesh = std::get_if<MeshLight>(&light))
+    for (const MeshLight::Triangle& t : mesh->triangles)
+      patches.push_back({t.p0, t.p1 - t.p0, t.p2 - t.p0, t.normal, true});
+  return patches;
+}
+
+/// Position of `p` in its patch: the shares of the two edges, made a square for a triangle, too.
+struct PatchPoint {
+  double x, y, off_plane;
+};
+PatchPoint locate(const Patch& patch, const Point3& p) {
+  const Vec3d e1(patch.edge_x), e2(patch.edge_y), n(patch.normal), d = Vec3d(p) - Vec3d(patch.corner);
+  const double volume = e1.cross(e2).dot(n), u = d.cross(e2).dot(n) / volume, v = e1.cross(d).dot(n) / volume;
+  return {u, patch.triangle && u < 1 ? v / (1 - u) : v, std::abs(d.dot(n))};
+}
+
+/// kSide² cells on each patch.
+Cells surface_cells(const Light& light, const Point3& from) {
+  constexpr int kSide = 12;
+  const std::vector<Patch> patches = patches_of(light);
+  Cells cells;
+  for (std::uint32_t i = 0; i < patches.size(); ++i) {
+    const Patch& patch = patches[i];
+    const auto density = [&](double x, double y) {
+      const double edge = patch.triangle ? 1 - x : 1.0;
+      const Vec3d position = Vec3d(patch.corner) + Vec3d(patch.edge_x) * x + Vec3d(patch.edge_y) * (y * edge);
+      const Vec3d to_light = position - Vec3d(from), area = Vec3d(patch.edge_x).cross(Vec3d(patch.edge_y));
+      const double d2 = to_light.length2(), cosine = -to_light.dot(Vec3d(patch.normal)) / std::sqrt(d2);
+      if (cosine <= 0) return 0.0;
+      return light_pdf(light, from, {Point3(position), patch.normal, i}) * cosine / d2 * area.length() * edge;
+    };
+    for (int row = 0; row < kSide; ++row)
+      for (int column = 0; column < kSide; ++column)
+        cells.expected.push_back(
+            integrate(density,
+                      Box2{static_cast<double>(column) / kSide, static_cast<double>(column + 1) / kSide,
+                           static_cast<double>(row) / kSide, static_cast<double>(row + 1) / kSide},
+                      1e-7));
+  }
+  cells.cell_of = [patches, from](const LightSample& s) {
+    const Point3 p = from + s.wi * s.distance;
+    std::size_t nearest = 0;
+    double distance = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+      const PatchPoint at = locate(patches[i], p);
+      const double beside = std::max({-at.x, at.x - 1, -at.y, at.y - 1, 0.0}) + at.off_plane;
+      if (dot(s.wi, patches[i].normal) < 0 && beside < distance) {
+        distance = beside;
+        nearest = i;
+      }
+    }
+    const PatchPoint at = locate(patches[nearest], p);
+    const auto index = [](double x) {
+      return static_cast<std::size_t>(std::clamp(static_cast<int>(x * kSide), 0, kSide - 1));
+    };
+    return (nearest * kSide + index(at.y)) * kSide + index(at.x);
+  };
+  return cells;
+}
+
+/// The directions to a light that is round about `axis`, up to the angle whose half has the tangent `focus`.
+Cells round_cells(const Light& light, const Point3& from, const Vec3& axis, double focus) {
+  const SphereGrid grid(axis, focus);
+  const auto density = [&](const Vec3& w) {
+    if (is_infinite(light)) return static_cast<double>(look_at_infinity(light, w).pdf);
+    const std::vector<Crossing> found = crossings(light, from, w);
+    return found.empty() ? 0.0 : static_cast<double>(light_pdf(light, from, found[0].hit));
+  };
+  return {grid.integrals(density, 1e-5), [grid](const LightSample& s) { return grid.cell(s.wi); }};
+}
+
+/// 3 × 3 cells to each cell of a map's distribution.
+Cells map_cells(const EnvironmentLight& light) {
+  const int columns = 3 * light.distribution.width(), rows = 3 * light.distribution.height();
+  const auto density = [&](double u, double v) {
+    const Vec3 w = uv_to_direction(light.orientation, {static_cast<float>(u), static_cast<float>(v)});
+    return light.look(w).pdf * 2 * std::numbers::pi * std::numbers::pi * std::sin(std::numbers::pi * v);
+  };
+  Cells cells;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column)
+      cells.expected.push_back(
+          integrate(density,
+                    Box2{static_cast<double>(column) / columns, static_cast<double>(column + 1) / columns,
+                         static_cast<double>(row) / rows, static_cast<double>(row + 1) / rows},
+                    1e-7));
+  cells.cell_of = [columns, rows, orientation = light.orientation](const LightSample& s) {
+    const Vec2 uv = direction_to_uv(orientation, s.wi);
+    return static_cast<std::size_t>(uv.y * static_cast<float>(rows)) * columns +
+           static_cast<std::size_t>(uv.x * static_cast<float>(columns));
+  };
+  return cells;
+}
+
+Cells cells_of(const Light& light, const Point3& from) {
+  if (const auto* map = std::get_if<EnvironmentLight>(&light)) return map_cells(*map);
+  if (std::holds_alternative<HemisphereLight>(light)) return round_cells(light, from, {0, 1, 0}, 1);
+  if (const auto* sphere = std::get_if<SphereLight>(&light)) {
+    const Vec3 to_center = sphere->center - from;
+    const double sine = std::min(1.0, static_cast<double>(sphere->radius) / length(to_center));
+    return round_cells(light, from, normalize(to_center), sine / (1 + std::sqrt(1 - sine * sine)));
+  }
+  return surface_cells(light, from);
 }
 
 // --- What all lights promise
@@ -187,17 +308,23 @@ double density(const Light& light, const Point3& from, const Vec3& wi) {
 
 TEST(Light, SamplesFollowTheDensity) {
   TestFamily family;
+  constexpr int kSamples = 40000;
   for (const NamedLight& named : all_lights()) {
     if (is_delta(named.light)) continue;
     for (const Point3& from : named.places) {
+      Cells cells = cells_of(named.light, from);
+      const double share = std::accumulate(cells.expected.begin(), cells.expected.end(), 0.0);
+      EXPECT_LE(share, 1 + 2e-3) << at(named, from);
+      cells.expected.push_back(std::max(1 - share, 0.0));  // no sample
+      std::vector<double> counts(cells.expected.size());
       Random random(1);
-      const auto sample = [&]() -> std::optional<Vec3> {
+      for (int i = 0; i < kSamples; ++i) {
         const std::optional<LightSample> s = sample_light(named.light, from, random.point());
-        return s ? std::optional(s->wi) : std::nullopt;
-      };
-      const SphereGrid grid = grid_around(sample);
-      family.add(at(named, from),
-                 direction_test(grid, 40000, sample, [&](const Vec3& w) { return density(named.light, from, w); }).p);
+        ++counts[s ? cells.cell_of(*s) : counts.size() - 1];
+      }
+      EXPECT_NEAR(1 - counts.back() / kSamples, share, 0.012) << at(named, from);
+      for (double& e : cells.expected) e *= kSamples;
+      family.add(at(named, from), chi_square_test(counts, cells.expected).p);
     }
   }
   EXPECT_TRUE(family.holds());
@@ -219,10 +346,10 @@ TEST(Light, SamplesLieOnTheLightAndKnowTheirDensity) {
         if (is_infinite(named.light)) {
           EXPECT_TRUE(std::isinf(s->distance));
           // A direction next to a texel's edge may be found in the next texel.
-          const double pdf = infinite_light_pdf(named.light, s->wi);
+          const double pdf = look_at_infinity(named.light, s->wi).pdf;
           if (std::abs(pdf / s->pdf - 1) > 1e-3) ++beside;
           for (int c = 0; c < 3; ++c)
-            ASSERT_NEAR(s->radiance[c], infinite_light_radiance(named.light, s->wi)[c], 1e-4f * (1 + s->radiance[c]))
+            ASSERT_NEAR(s->radiance[c], look_at_infinity(named.light, s->wi).radiance[c], 1e-4f * (1 + s->radiance[c]))
                 << at(named, from);
           continue;
         }
@@ -237,31 +364,13 @@ TEST(Light, SamplesLieOnTheLightAndKnowTheirDensity) {
           ++beside;
           continue;
         }
-        ASSERT_NEAR(s->distance / found->distance, 1, 3e-5)
-            << at(named, from);  // shadow rays stop 1e-4 before the light
+        // Shadow rays stop 1e-4 before the light. At a sphere's rim a direction's rounding moves the point, along the
+        // surface.
+        const bool rim = std::holds_alternative<SphereLight>(named.light) && dot(found->hit.normal, s->wi) > -0.05f;
+        ASSERT_NEAR(s->distance / found->distance, 1, rim ? 3e-3 : 6e-5) << at(named, from);
         ASSERT_NEAR(light_pdf(named.light, from, found->hit) / s->pdf, 1, 5e-3) << at(named, from);
       }
       EXPECT_LE(beside, samples / 100) << at(named, from);
-    }
-  }
-}
-
-TEST(Light, DensityIntegratesToTheShareOfSamples) {
-  for (const NamedLight& named : all_lights()) {
-    if (is_delta(named.light)) continue;
-    for (const Point3& from : named.places) {
-      Random random(3);
-      int missing = 0;
-      constexpr int kSamples = 20000;
-      const auto sample = [&]() -> std::optional<Vec3> {
-        const std::optional<LightSample> s = sample_light(named.light, from, random.point());
-        return s ? std::optional(s->wi) : std::nullopt;
-      };
-      for (int i = 0; i < kSamples; ++i) missing += !sample();
-      const double share = 1 - static_cast<double>(missing) / kSamples;
-      const double integral = integrate_sphere(
-          grid_around(sample), [&](const Vec3& w) { return density(named.light, from, w); }, 1e-4);
-      EXPECT_NEAR(integral, share, 0.015) << at(named, from);
     }
   }
 }
@@ -290,16 +399,18 @@ TEST(Light, KindsAreConsistent) {
   for (const NamedLight& named : all_lights()) {
     EXPECT_GT(light_power(named.light, kScene), 0) << named.name;
     EXPECT_TRUE(std::isfinite(light_power(named.light, kScene))) << named.name;
-    const std::optional<LightSample> s = sample_light(named.light, named.places[0], {0.5f, 0.5f});
+    std::optional<LightSample> s;
+    for (int i = 0; i < 16 && !s; ++i)
+      s = sample_light(named.light, named.places[0], {(static_cast<float>(i) + 0.5f) / 16, 0.5f});
     ASSERT_TRUE(s) << named.name;
     EXPECT_EQ(s->is_delta, is_delta(named.light)) << named.name;
     if (is_delta(named.light)) {
       EXPECT_EQ(s->pdf, 1) << named.name;
       EXPECT_EQ(light_pdf(named.light, {0, 0, 0}, {}), 0) << named.name;
-      EXPECT_EQ(infinite_light_pdf(named.light, s->wi), 0) << named.name;
+      EXPECT_EQ(look_at_infinity(named.light, s->wi).pdf, 0) << named.name;
     }
     if (!is_infinite(named.light)) {
-      EXPECT_TRUE(infinite_light_radiance(named.light, {0, 1, 0}).is_black()) << named.name;
+      EXPECT_TRUE(look_at_infinity(named.light, {0, 1, 0}).radiance.is_black()) << named.name;
     }
   }
 }
@@ -445,7 +556,7 @@ TEST(SphericalTriangle, HasItsSolidAngle) {
   for (int i = 0; i < 2000; ++i) {
     const Point3 a = random.direction(), b = random.direction() * 2, c = random.direction() * 0.5f;
     const SphericalTriangle triangle(a, b, c, {0, 0, 0});
-    EXPECT_NEAR(triangle.solid_angle(), triangle_solid_angle(a, b, c, {0, 0, 0}), 1e-5);
+    EXPECT_NEAR(triangle.solid_angle(), triangle_solid_angle(a, b, c, {0, 0, 0}), 5e-5);
   }
   // An octant, and one seen from its own plane.
   EXPECT_NEAR(SphericalTriangle({1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}).solid_angle(), kPi / 2, 1e-6);
@@ -481,18 +592,15 @@ TEST(SphereLight, IsDarkFromInside) {
   }
 }
 
-TEST(SphereLight, DistanceIsRightFromVeryClose) {
-  // Emissive spheres stand on floors: the shadow ray must end before the sphere, at whatever height it begins.
+TEST(SphereLight, SamplesLieOnTheSphereFromVeryClose) {
   const SphereLight light{{0, 0, 0}, 1, Spectrum(1)};
-  for (const float height : {1e-5f, 1e-4f, 1e-3f, 0.1f}) {
+  Random random(7);
+  for (const float height : {1e-5f, 1e-4f, 1e-3f, 0.1f, 100.0f}) {
     const Point3 from(0, 1 + height, 0);
-    Random random(7);
-    for (int i = 0; i < 1000; ++i) {
+    for (int i = 0; i < 2000; ++i) {
       const auto s = sample_light(light, from, random.point());
       ASSERT_TRUE(s);
-      const std::vector<Crossing> found = crossings(light, from, s->wi);
-      if (found.empty()) continue;  // at the very rim
-      EXPECT_NEAR(s->distance / found[0].distance, 1, 3e-5 + 2e-7 / height) << height;
+      EXPECT_NEAR((Vec3d(from) + Vec3d(s->wi) * s->distance).length(), 1, 3e-7 * (1 + height)) << height;
     }
   }
 }
@@ -538,7 +646,7 @@ TEST(HemisphereLight, GivesPiFromAbove) {
   EXPECT_NEAR(irradiance(light, {0, 0, 0}, {0, 1, 0}), std::numbers::pi, 1e-3);
   EXPECT_NEAR(irradiance(light, {0, 0, 0}, {1, 0, 0}), std::numbers::pi / 2, 1e-3);  // sees half of it
   EXPECT_EQ(irradiance(light, {0, 0, 0}, {0, -1, 0}), 0);
-  EXPECT_TRUE(infinite_light_radiance(light, normalize(Vec3(1, -0.1f, 0))).is_black());
+  EXPECT_TRUE(look_at_infinity(light, normalize(Vec3(1, -0.1f, 0))).radiance.is_black());
 }
 
 TEST(EnvironmentLight, UniformSkyGivesPi) {

@@ -1,0 +1,125 @@
+// The same seed gives the same picture, to the bit, however the work is cut.
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "base/parallel.h"
+#include "camera/placement.h"
+#include "formats/formats.h"
+#include "picture_statistics.h"
+#include "render/session.h"
+#include "scene_kit.h"
+#include "testing/random.h"
+
+namespace etendue {
+namespace {
+
+/// The Cornell box with spheres, through a lens: every kind of random decision.
+class Determinism : public ::testing::TestWithParam<std::tuple<SamplerKind, bool /*adaptive*/>> {
+ protected:
+  Determinism() {
+    settings.width = 44;
+    settings.height = 34;
+    settings.samples_per_pixel = 64;
+    settings.sampler = std::get<0>(GetParam());
+    settings.seed = 0x123456789abcdefull;
+    if (std::get<1>(GetParam())) settings.adaptive = AdaptiveSampling{16, 0.4f};
+    Diagnostics diagnostics;
+    const scene::SceneDescription description = read_scene(SCENES_FOLDER "/cornell-spheres.dae", diagnostics);
+    scene = std::make_unique<RenderScene>(compile(description, {}, diagnostics));
+    camera = place_camera(description, scene->bounds(), CameraPlacement::automatic, settings.width, settings.height,
+                          diagnostics);
+    camera.lens_radius = 0.05f;
+    camera.focal_distance = 5;
+  }
+
+  Picture in_passes(const RenderSettings& chosen, const std::vector<int>& passes) const {
+    RenderSession session(*scene, camera, chosen);
+    for (const int samples : passes) session.render_pass({}, samples);
+    EXPECT_TRUE(session.finished());
+    return session.snapshot();
+  }
+  Picture in_one_pass(const RenderSettings& chosen) const { return in_passes(chosen, {chosen.samples_per_pixel}); }
+
+  RenderSettings settings;
+  std::unique_ptr<RenderScene> scene;
+  Camera camera;
+};
+
+TEST_P(Determinism, ForAnyNumberOfThreads) {
+  Picture first;
+  for (const int threads : {1, 2, 7}) {
+    const ThreadLimit limit(threads);
+    const Picture picture = in_one_pass(settings);
+    if (first.beauty.empty()) first = picture;
+    EXPECT_TRUE(identical(picture, first)) << threads << " threads";
+  }
+}
+
+TEST_P(Determinism, ForAnyTileSize) {
+  const Picture expected = in_one_pass(settings);
+  for (const int tile_size : {1, 5, 64}) {
+    RenderSettings tiled = settings;
+    tiled.tile_size = tile_size;
+    EXPECT_TRUE(identical(in_one_pass(tiled), expected)) << "tiles of " << tile_size;
+  }
+}
+
+TEST_P(Determinism, ForAnySplitIntoPasses) {
+  const Picture expected = in_one_pass(settings);
+  EXPECT_TRUE(identical(in_passes(settings, {16, 48}), expected));
+  EXPECT_TRUE(identical(in_passes(settings, {16, 16, 16, 16}), expected));
+  EXPECT_TRUE(identical(in_passes(settings, {1, 17, 64}), expected));
+}
+
+TEST_P(Determinism, WhenStoppedAndResumed) {
+  const Picture expected = in_one_pass(settings);
+  Random random(3);
+  for (int run = 0; run < 3; ++run) {
+    RenderSession session(*scene, camera, settings);
+    int stops = 0;
+    while (!session.finished()) {
+      std::stop_source source;
+      std::jthread stopper([&, wait = std::chrono::microseconds(static_cast<int>(random.value() * 40000))] {
+        std::this_thread::sleep_for(wait);
+        source.request_stop();
+      });
+      session.render_pass(source.get_token(), 64);
+      stops += session.finished() ? 0 : 1;
+    }
+    EXPECT_TRUE(identical(session.snapshot(), expected)) << "after " << stops << " stops";
+  }
+}
+
+TEST_P(Determinism, AStoppedPassLeavesAValidPicture) {
+  RenderSession session(*scene, camera, settings);
+  std::stop_source source;
+  source.request_stop();
+  session.render_pass(source.get_token(), 64);
+  EXPECT_FALSE(session.finished());
+  EXPECT_EQ(session.progress().samples_done, 0u);
+  for (const Spectrum& s : session.snapshot().beauty.pixels()) EXPECT_EQ(s, Spectrum(0));
+}
+
+TEST_P(Determinism, OtherSeedsGiveOtherPictures) {
+  const Picture expected = in_one_pass(settings);
+  for (const std::uint64_t difference : {std::uint64_t{1}, std::uint64_t{1} << 40}) {
+    RenderSettings other = settings;
+    other.seed ^= difference;
+    EXPECT_FALSE(identical(in_one_pass(other), expected)) << difference;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, Determinism,
+                         ::testing::Combine(::testing::Values(SamplerKind::sobol, SamplerKind::independent),
+                                            ::testing::Bool()),
+                         [](const auto& test) {
+                           const std::string sampler =
+                               std::get<0>(test.param) == SamplerKind::sobol ? "Sobol" : "Independent";
+                           return sampler + (std::get<1>(test.param) ? "Adaptive" : "");
+                         });
+
+}  // namespace
+}  // namespace etendue
