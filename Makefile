@@ -16,7 +16,7 @@ help:
 	@echo 'make test     the same, then run every test and the fuzzers for a minute'
 	@echo 'make build    install what is missing and build build/release/apps/cli/etendue'
 	@echo 'make bench    build and run the benchmarks'
-	@echo 'make figures  render the pictures of the documentation again'
+	@echo 'make figures  render what each setting does, into out/figures/index.html; QUICK=1: small and noisy'
 	@echo 'make asan     run the tests under AddressSanitizer and UndefinedBehaviorSanitizer'
 	@echo 'make tsan     run the tests under ThreadSanitizer'
 	@echo 'make fuzz     feed the file readers damaged files for FUZZ_SECONDS=$(FUZZ_SECONDS)'
@@ -35,7 +35,8 @@ build: dependencies
 .PHONY: demo
 demo: build
 	@mkdir -p out
-	$(ETENDUE) render scenes/cornell-spheres.dae -o out/demo.png -o out/demo.exr
+	$(ETENDUE) render scenes/cornell-spheres.dae --camera-placement file -r 640 480 -s 256 --time-limit 1m \
+	  -o out/demo.png -o out/demo.exr
 
 .PHONY: test
 test: build
@@ -49,7 +50,7 @@ bench: dependencies
 
 .PHONY: figures
 figures: build
-	scripts/make-figures.sh
+	scripts/make_figures.py --etendue $(ETENDUE) $(if $(QUICK),--quick)
 
 .PHONY: asan tsan
 asan tsan: dependencies

@@ -75,10 +75,10 @@ def envmap_sheet(name, where, environment):
                  "Left, the map. In the middle, the cumulative probabilities that directions are drawn with: red for the "
                  "rows from top to bottom, green for the columns within their row; where green jumps from black to full "
                  "within a few columns, nearly all light of that row is there. Right, the resulting density per "
-                 "steradian: black for none, white where it is that of uniform directions or more.", 3,
+                 "steradian: black for none, pale yellow for that of uniform directions or more.", 3,
                  [Picture("The map", "as seen on a screen", command),
                   Picture("--debug", "cumulative: red rows, green columns", command + ["--debug"]),
-                  Picture("--pdf", "density; white: as uniform or more", command + ["--pdf"])], (512, 256))
+                  Picture("--pdf", "density; pale: that of uniform or more", command + ["--pdf"])], (512, 256))
 
 
 def sampling_sheet(name, where, scenes, environment, camera, quality, size):
@@ -88,7 +88,7 @@ def sampling_sheet(name, where, scenes, environment, camera, quality, size):
         noisy = common + ["-s", "4", "-l", "64"]
         pictures += [Picture(f"{object_name}: uniform", "", noisy + ["--env-sampling", "uniform"], "variance"),
                      Picture(f"{object_name}: importance", "", noisy, "variance"),
-                     Picture(f"{object_name}: converged", "", common + quality.spp(1024) + ["-l", "4"])]
+                     Picture(f"{object_name}: converged", "", common + quality.spp(128) + ["-l", "16"])]
     return Sheet(name, f"Sampling the environment map: 4 x 64 samples ({where})",
                  "Direct light by 4 camera samples a pixel with 64 samples of the map each. Uniform directions waste most of "
                  "them; importance sampling draws directions in proportion to the light that comes from them. The variance "

@@ -23,6 +23,8 @@ template <typename T>
 struct Range {
   T min, max;
 };
+template <typename T>
+Range(T, T) -> Range<T>;
 
 /// The number that `word` is, all of it; `flag` is how the message names it.
 template <typename T>

@@ -30,7 +30,7 @@ struct FilmPoint {
 };
 FilmPoint project(const Camera& camera, const Point3& world);
 
-/// Point of the aperture with area 1·radius², from u in [0,1)²: disk (concentric map) or regular polygon of circumradius `radius`.
+/// Point of the aperture, uniform by area, from u in [0,1)²: the disk of the lens' radius, or the regular polygon whose corners lie on its rim.
 Vec2 sample_aperture(const Camera& camera, Vec2 u);
 
 }  // namespace etendue

@@ -129,7 +129,7 @@ struct SphereLight {
   float power(const Bounds3& scene) const;
 };
 
-/// Constant radiance from every direction with y > 0.
+/// Constant radiance from every direction with y ≥ 0.
 struct HemisphereLight {
   static constexpr bool kDelta = false;
   Spectrum emitted;

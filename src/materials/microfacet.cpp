@@ -3,8 +3,7 @@
 namespace etendue {
 namespace {
 
-/// Inverse error function to float precision: Giles 2010, "Approximating the erfinv Function", single-precision version, and one
-/// Newton step.
+/// Inverse error function to float precision (Giles 2010, "Approximating the erfinv Function", single-precision version).
 float erf_inverse(float x) {
   const float clamped = std::clamp(x, -0.99999994f, 0.99999994f);
   float w = -std::log((1 - clamped) * (1 + clamped));

@@ -13,7 +13,8 @@ constexpr int kBatch = Geometry::kBatch;
 constexpr int kRouletteStart = 3;
 constexpr float kMaxSurvival = 0.99f;
 
-/// Shadow rays stop short of the light by this share of their length, more than its position's rounding error.
+/// Shadow rays stop short of the light by this share of their length, and by the rounding error of the point they leave: more than the
+/// error of the light's position.
 constexpr float kShadowGap = 1e-4f;
 
 /// Power heuristic with exponent 2 (Veach 1997, eq. 9.13); densities already count the samples of each technique.
@@ -208,7 +209,8 @@ void PathIntegrator::Batch::aim(int i, std::uint32_t light, const LightPlan& pla
   const float weight = sample->is_delta ? 1.0f : mis_weight(pdf, eval.pdf);
   shadow_radiance_[shadow_count_] = paths_[i].throughput * eval.f_cos * sample->radiance * (weight / pdf);
   shadow_rays_[shadow_count_] =
-      Ray{offset_origin(surface, sample->wi), sample->wi, 0, sample->distance * (1 - kShadowGap)};
+      Ray{offset_origin(surface, sample->wi), sample->wi, 0,
+          std::max(0.0f, sample->distance * (1 - kShadowGap) - surface.error)};
   shadow_path_[shadow_count_] = i;
   if (++shadow_count_ == kBatch) flush_shadow_rays();
 }

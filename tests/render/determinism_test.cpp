@@ -17,15 +17,25 @@ namespace etendue {
 namespace {
 
 /// The Cornell box with spheres, through a lens: every kind of random decision.
-class Determinism : public ::testing::TestWithParam<std::tuple<SamplerKind, bool /*adaptive*/>> {
+struct Variant {
+  std::string name;
+  SamplerKind sampler;
+  std::optional<AdaptiveSampling> adaptive;
+};
+
+std::ostream& operator<<(std::ostream& out, const Variant& variant) {
+  return out << variant.name;
+}
+
+class Determinism : public ::testing::TestWithParam<Variant> {
  protected:
   Determinism() {
     settings.width = 44;
     settings.height = 34;
     settings.samples_per_pixel = 64;
-    settings.sampler = std::get<0>(GetParam());
+    settings.sampler = GetParam().sampler;
+    settings.adaptive = GetParam().adaptive;
     settings.seed = 0x123456789abcdefull;
-    if (std::get<1>(GetParam())) settings.adaptive = AdaptiveSampling{16, 0.4f};
     Diagnostics diagnostics;
     const scene::SceneDescription description = read_scene(SCENES_FOLDER "/cornell-spheres.dae", diagnostics);
     scene = std::make_unique<RenderScene>(compile(description, {}, diagnostics));
@@ -100,7 +110,8 @@ TEST_P(Determinism, AStoppedPassLeavesAValidPicture) {
   session.render_pass(source.get_token(), 64);
   EXPECT_FALSE(session.finished());
   EXPECT_EQ(session.progress().samples_done, 0u);
-  for (const Spectrum& s : session.snapshot().beauty.pixels()) EXPECT_EQ(s, Spectrum(0));
+  const Image image = session.beauty();
+  for (const Spectrum& s : image.pixels()) EXPECT_EQ(s, Spectrum(0));
 }
 
 TEST_P(Determinism, OtherSeedsGiveOtherPictures) {
@@ -112,14 +123,12 @@ TEST_P(Determinism, OtherSeedsGiveOtherPictures) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, Determinism,
-                         ::testing::Combine(::testing::Values(SamplerKind::sobol, SamplerKind::independent),
-                                            ::testing::Bool()),
-                         [](const auto& test) {
-                           const std::string sampler =
-                               std::get<0>(test.param) == SamplerKind::sobol ? "Sobol" : "Independent";
-                           return sampler + (std::get<1>(test.param) ? "Adaptive" : "");
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    , Determinism,
+    ::testing::Values(Variant{"Sobol", SamplerKind::sobol, {}}, Variant{"Independent", SamplerKind::independent, {}},
+                      Variant{"SobolAdaptive", SamplerKind::sobol, AdaptiveSampling{16, 0.4f}},
+                      Variant{"IndependentAdaptive", SamplerKind::independent, AdaptiveSampling{16, 0.4f}}),
+    [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace etendue

@@ -170,8 +170,8 @@ TEST(Environment, ABlackMapIsWarnedAboutAndGivesABlackPicture) {
   TemporaryFolder folder;
   const SceneKit kit = ground(environment_map(folder / "black.exr", Image(8, 4)));
   const RenderScene scene = compile_with_warning(kit, "black.exr: the environment map is all black");
-  for (const Spectrum& s : render(scene, kAboveGround, square_settings(8, 4)).beauty.pixels())
-    EXPECT_EQ(s, Spectrum(0));
+  const Picture picture = render(scene, kAboveGround, square_settings(8, 4));
+  for (const Spectrum& s : picture.beauty.pixels()) EXPECT_EQ(s, Spectrum(0));
 }
 
 TEST(Environment, InvalidTexelsAreWarnedAboutAndCountAsBlack) {

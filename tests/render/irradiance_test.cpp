@@ -34,7 +34,9 @@ const std::vector<Strategy> kByLights = {{"path, one light", IntegratorKind::pat
                                          {"direct, 4 light samples", IntegratorKind::direct, 4}};
 const Strategy kHemisphere{"hemisphere", IntegratorKind::hemisphere, 16};
 
-/// Adds to `tests` that every strategy finds `irradiance`; their standard errors are at most `resolution` of it.
+/// Adds to `tests` that every strategy finds `irradiance`. Sobol samples' standard errors are at most `resolution` of
+/// it, independent ones' 2.5 times that: with the level that a family of 50 tests has, errors of 0.5 and of 1.2 % are
+/// seen.
 void expect_irradiance(TestFamily& tests, const std::string& name, const LitPlane& plane, double irradiance,
                        const std::vector<Strategy>& strategies, double resolution = 0.0012) {
   const RenderScene scene = plane.kit.compile();
@@ -49,7 +51,7 @@ void expect_irradiance(TestFamily& tests, const std::string& name, const LitPlan
       const RunningMean mean = over_pixels(picture.beauty, 1);
       const std::string what =
           fmt::format("{}, {}, {}", name, strategy.name, sampler == SamplerKind::sobol ? "Sobol" : "independent");
-      EXPECT_LT(mean.standard_error(), resolution * expected) << what;
+      EXPECT_LT(mean.standard_error(), (sampler == SamplerKind::sobol ? 1 : 2.5) * resolution * expected) << what;
       tests.add(fmt::format("{}: {} instead of {}", what, mean.mean(), expected),
                 mean.p_value(expected, 2e-4 * expected));
     }
@@ -187,9 +189,8 @@ TEST(Irradiance, OfPointSpotAndDirectionalLights) {
   LitPlane beside_the_spot;
   beside_the_spot.kit.light(scene::SpotLight{Spectrum(7), 0.9f * degrees(static_cast<float>(std::acos(off_axis))), 0},
                             aim);
-  for (const Spectrum& s :
-       render(beside_the_spot.kit.compile(), beside_the_spot.camera(), square_settings(4, 16)).beauty.pixels())
-    EXPECT_EQ(s, Spectrum(0));
+  const Picture dark = render(beside_the_spot.kit.compile(), beside_the_spot.camera(), square_settings(4, 16));
+  for (const Spectrum& s : dark.beauty.pixels()) EXPECT_EQ(s, Spectrum(0));
 
   LitPlane directional;
   directional.kit.light(scene::DirectionalLight{Spectrum(2)}, Transform::look_at(position, {0, 0, 0}, {0, 1, 0}));
@@ -217,6 +218,24 @@ TEST(Irradiance, OfManyLightsIsTheSum) {
   TestFamily tests;
   expect_irradiance(tests, "six lights", plane, irradiance, kByLights, 0.005);
   EXPECT_TRUE(tests.holds());
+}
+
+TEST(Irradiance, EmittersShineToTheirFrontOnly) {
+  LitPlane plane;
+  const MaterialId emitter = plane.kit.emitter(Spectrum(5));
+  plane.kit.quad({-0.5f, 0.6f, 0.5f}, {1, 0, 0}, {0, 0, -1}, emitter);  // turns its back on the ground
+  plane.kit.mesh({{-0.5f, 0.8f, 0.5f}, {0.5f, 0.8f, 0.5f}, {0, 0.8f, -0.5f}}, {{0, 1, 2}}, emitter);
+  plane.kit.sphere({0, 3, 0}, 0.5f, emitter);
+  const RenderScene scene = plane.kit.compile();
+  const Camera beneath = pinhole({0, 0.3f, 0}, {0, 0.6f, 0}, 0.3f), within = pinhole({0, 3, 0}, {1, 3, 0}, 1);
+  for (const Strategy& strategy : all_strategies())
+    for (const Camera& camera : {plane.camera(), beneath, within}) {
+      RenderSettings settings = square_settings(8, 64, 1);
+      settings.integrator = strategy.integrator;
+      settings.light_samples = strategy.light_samples;
+      const Picture picture = render(scene, camera, settings);
+      for (const Spectrum& s : picture.beauty.pixels()) ASSERT_EQ(s, Spectrum(0)) << strategy.name;
+    }
 }
 
 }  // namespace

@@ -162,6 +162,27 @@ TEST(TexelDistribution, NeverChoosesBlackTexels) {
   }
 }
 
+/// However the search is guided: the interval that holds u is the one that is found.
+TEST(TexelDistribution, InvertsItsCumulativeProbabilities) {
+  std::vector<NamedMap> maps = all_maps();
+  maps.push_back({"large map", noise(301, 199, 12)});
+  maps.back().map.at(17, 40) = Spectrum(1e4f);
+  for (const NamedMap& named : maps) {
+    const TexelDistribution distribution(named.map);
+    Random random(13);
+    for (int i = 0; i < 20000; ++i) {
+      const Vec2 u = random.point(), uv = distribution.sample(u).uv;
+      const int row = static_cast<int>(uv.y * static_cast<float>(named.map.height()));
+      const int column = static_cast<int>(uv.x * static_cast<float>(named.map.width()));
+      const float tolerance = 2e-5f;
+      ASSERT_LE(row > 0 ? distribution.row_cdf(row - 1) : 0, u.y + tolerance) << named.name << ' ' << u;
+      ASSERT_GE(distribution.row_cdf(row), u.y - tolerance) << named.name << ' ' << u;
+      ASSERT_LE(column > 0 ? distribution.column_cdf(row, column - 1) : 0, u.x + tolerance) << named.name << ' ' << u;
+      ASSERT_GE(distribution.column_cdf(row, column), u.x - tolerance) << named.name << ' ' << u;
+    }
+  }
+}
+
 TEST(TexelDistribution, CumulativeProbabilitiesEndAtOne) {
   const Image map = noise(6, 4, 9);
   const TexelDistribution distribution(map);
