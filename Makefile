@@ -35,7 +35,7 @@ build: dependencies
 .PHONY: demo
 demo: build
 	@mkdir -p out
-	$(ETENDUE) render scenes/cornell-spheres.dae --camera-placement file -r 640 480 -s 256 --time-limit 1m \
+	$(ETENDUE) render scenes/cornell-spheres.dae --camera-placement file -r 640 480 -s 256 --exposure 0.5 --time-limit 1m \
 	  -o out/demo.png -o out/demo.exr
 
 .PHONY: test

@@ -2,7 +2,8 @@
 """Renders the figures that show what Etendue's settings do: labelled contact sheets and a page that holds them all.
 
 Needs only Python's standard library, the etendue command and oiiotool (Debian: openimageio-tools, fonts-dejavu-core).
-Writes OUT/index.html, OUT/SHEET.png, OUT/figures.json with what was measured, and the single pictures below OUT/pictures.
+Where ETENDUE_SHARED names a folder with the course's scenes, it makes the figures of those, too. Writes OUT/index.html,
+OUT/SHEET.png, OUT/figures.json with what was measured, and the single pictures below OUT/pictures.
 """
 import argparse
 import base64
@@ -269,7 +270,7 @@ def command_line(picture, shared):
     """What to type for this picture, in the project's folder."""
     line = shlex.join(["etendue", *map(str, picture.command)]).replace(f"{ROOT}/", "")
     if shared:
-        line = line.replace(str(shared), "$ETENDUE_SHARED")
+        line = line.replace(shared, "$ETENDUE_SHARED")
     outputs = {"render": f" -o {picture.file.name}"}
     if picture.command[0] == "envmap":
         outputs["envmap"] = {"--debug": f" {picture.file.name}", "--pdf": f" {picture.file.stem}.exr"}.get(
@@ -280,7 +281,7 @@ def command_line(picture, shared):
 def as_jpeg(file):
     """The sheet as a data URI, so that the page is one file."""
     jpeg = file.with_suffix(".jpg")
-    run("oiiotool", file, "--compression", "jpeg:90", "-o", jpeg)
+    run("oiiotool", file, "--compression", "jpeg:90", "--nosoftwareattrib", "-o", jpeg)
     data = base64.b64encode(jpeg.read_bytes()).decode()
     jpeg.unlink()
     return f"data:image/jpeg;base64,{data}"
@@ -323,14 +324,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--etendue", type=Path, default=ROOT / "build/release/apps/cli/etendue", help="the command to use")
     parser.add_argument("--out", type=Path, default=ROOT / "out/figures", help="the folder to write into")
-    parser.add_argument("--quick", action="store_true", help="small, noisy pictures in about a minute")
+    parser.add_argument("--quick", action="store_true", help="small, noisy pictures of Etendue's own scenes only")
     options = parser.parse_args()
-    shared = Path(os.environ["ETENDUE_SHARED"]) if os.environ.get("ETENDUE_SHARED") else None
+    shared = None if options.quick else os.environ.get("ETENDUE_SHARED")
 
     pictures = options.out / "pictures"
     pictures.mkdir(parents=True, exist_ok=True)
     quality = Quality(options.quick)
-    sheets = own_sheets(pictures, quality) + (course_sheets(shared, quality) if shared else [])
+    sheets = own_sheets(pictures, quality) + (course_sheets(Path(shared), quality) if shared else [])
     start = time.monotonic()
     for sheet in sheets:
         for number, picture in enumerate(sheet.pictures, 1):

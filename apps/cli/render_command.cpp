@@ -116,7 +116,7 @@ void write_outputs(const RenderOptions& options, const RenderSession& session, c
 void tell_invalid_samples(const RenderProgress& progress) {
   if (progress.invalid_samples == 0) return;
   log_warning(
-      fmt::format("warning: {} samples were infinite, negative or no number and were left out (the first: {}); "
+      fmt::format("warning: {} samples were infinite, negative or no number and count as black (the first: {}); "
                   "please report the scene",
                   progress.invalid_samples, progress.first_invalid));
 }

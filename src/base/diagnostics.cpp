@@ -75,7 +75,7 @@ std::string Diagnostics::format(const Diagnostic& diagnostic) const {
   }
   out += fmt::format("{}: {}", kNames[static_cast<int>(diagnostic.severity)], diagnostic.message);
   if (diagnostic.count > 1) out += fmt::format(" ({} times, this is the first)", diagnostic.count);
-  if (has_file) out += excerpt(files_[where.file], where);
+  if (has_file && diagnostic.severity != Severity::info) out += excerpt(files_[where.file], where);
   return out;
 }
 

@@ -45,7 +45,7 @@ class Diagnostics {
   const std::vector<Diagnostic>& all() const { return diagnostics_; }
   bool has_errors() const { return errors_ > 0; }
 
-  /// "file:line:column: warning: message" followed by the source line and a caret where the place is known.
+  /// "file:line:column: warning: message"; warnings and errors are followed by the source line and a caret where the place is known.
   std::string format(const Diagnostic& diagnostic) const;
 
   /// Throws Error(Failure::input) with all collected errors, formatted, if there is any.

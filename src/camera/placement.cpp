@@ -136,6 +136,11 @@ Camera fit_camera(const scene::Camera& from, const Bounds3& bounds, HalfExtent e
   camera.far_clip = from.far_clip;
   camera.focal_distance = kFitDistance * diagonal;
 
+  if (static_cast<float>(width) < kFitWidth && static_cast<float>(height) < kFitHeight)
+    diagnostics.info(fmt::format("the fit camera shows the middle {} x {} of its {} x {} view, as the course's renderer does; "
+                                 "--camera-placement file shows all of the file's own",
+                                 width, height, kFitWidth, kFitHeight));
+
   const float needed = depth_of_far_corner(camera.to_world, bounds);
   if (camera.far_clip > 0 && camera.far_clip < needed)
     diagnostics.warning(

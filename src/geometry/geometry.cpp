@@ -8,11 +8,6 @@
 namespace etendue {
 namespace {
 
-/// Rounding error of a position relative to the largest coordinate of what it is the sum of: barycentric interpolation of three vertices in
-/// floats is within γ₇ ≈ 7·2⁻²⁴ of exact (Higham 2002, section 3.1); the ray that comes back rounds as much again, and Embree's t adds its
-/// own.
-constexpr float kRelativeError = 32 * 0x1p-24f;
-
 RTCDevice make_device() {
   RTCDevice device = rtcNewDevice(nullptr);
   if (device == nullptr) throw Error(Failure::internal, "the ray tracing kernels (Embree) could not be started on this machine");
@@ -211,9 +206,8 @@ SurfaceHit Geometry::surface(const Ray& ray, const RayHit& hit) const {
 Vec2 Geometry::texture_coordinates(const RayHit& hit, const SurfaceHit& surface) const {
   if (shapes_[hit.shape].is_sphere) {
     const Vec3& n = surface.geometric_normal;
-    const Vec3& pole = sphere(hit.shape).axis;
-    const Vec3 east = normalize(cross(pole, std::abs(pole.x) > 0.9f ? Vec3(0, 0, 1) : Vec3(1, 0, 0)));
-    const float longitude = std::atan2(dot(n, east), dot(n, cross(east, pole)));
+    const Vec3 &pole = sphere(hit.shape).pole, &meridian = sphere(hit.shape).meridian;
+    const float longitude = std::atan2(dot(n, cross(pole, meridian)), dot(n, meridian));
     const float colatitude = std::acos(std::clamp(dot(n, pole), -1.0f, 1.0f));
     return {0.5f + 0.5f * kInvPi * longitude, 1 - colatitude * kInvPi};
   }

@@ -13,6 +13,11 @@ namespace etendue {
 
 inline constexpr std::uint32_t kNone = 0xffffffffu;
 
+/// Bound of a surface point's rounding error, as a share of the largest coordinate that it was computed from: barycentric interpolation of
+/// three vertices in floats is within γ₇ ≈ 7·2⁻²⁴ of exact (Higham 2002, section 3.1); the ray that comes back rounds as much again, and
+/// Embree's t adds its own.
+inline constexpr float kRelativeError = 32 * 0x1p-24f;
+
 /// Triangles in world space. The front of a triangle is the side from which its vertices run counter-clockwise.
 struct TriangleMesh {
   std::vector<Point3> positions;
@@ -25,7 +30,8 @@ struct TriangleMesh {
 struct SphereShape {
   Point3 center;
   float radius = 1;
-  Vec3 axis{0, 1, 0};  ///< direction of the pole of its texture coordinates
+  Vec3 pole{0, 1, 0};      ///< unit; where v = 1 of its texture coordinates
+  Vec3 meridian{1, 0, 0};  ///< unit, perpendicular to the pole; where u = ½
 };
 
 /// What a ray meets first: enough to find out more, as small as possible.

@@ -24,6 +24,8 @@ struct LightSample {
   Spectrum radiance;     ///< arriving along wi if nothing is in between; for delta lights the irradiance on a surface facing wi, × pdf
   float pdf = 0;         ///< per solid angle at the lit point; 1 for delta lights
   bool is_delta = false; ///< no BSDF sample can find this light
+  Vec3 normal{0, 0, 0};  ///< of the light's surface, on the side that shines; zero for lights without one
+  float error = 0;       ///< bound of the sampled point's rounding error: how far before the surface a shadow ray must end
 };
 
 /// A point on a light that a ray found: what its density depends on.

@@ -1,3 +1,4 @@
+#include "geometry/geometry.h"
 #include "lights/light.h"
 #include "lights/spherical_triangle.h"
 #include "sampling/warp.h"
@@ -6,12 +7,16 @@ namespace etendue {
 namespace {
 
 /// Solid angle is worth its price where the triangle looms large (squared distance below this multiple of its area). Up to where it fills
-/// nearly the whole half space float arithmetic holds.
+/// nearly the whole half space its arithmetic holds.
 constexpr float kFarRatio = 8;
 
 bool by_solid_angle(const MeshLight::Triangle& t, const Point3& from, float height) {
   const Point3 center = (t.p0 + t.p1 + t.p2) * (1.0f / 3.0f);
   return length_squared(center - from) < kFarRatio * t.area && square(height) > 1e-4f * t.area;
+}
+
+float position_error(const MeshLight::Triangle& t) {
+  return kRelativeError * std::max({max_abs_component(t.p0), max_abs_component(t.p1), max_abs_component(t.p2)});
 }
 
 /// Density by area turned into solid angle at distance² d2 and height over the plane: cos at the light = height / d.
@@ -39,14 +44,15 @@ std::optional<LightSample> MeshLight::sample(const Point3& from, Vec2 u) const {
     const Vec3 wi = seen.sample(v);
     const float cosine = -dot(wi, t.normal);
     if (cosine <= 0) return std::nullopt;
-    return LightSample{wi, height / cosine, emitted, chosen.probability / seen.solid_angle()};
+    return LightSample{wi, height / cosine, emitted, chosen.probability / seen.solid_angle(), false, t.normal,
+                       position_error(t)};
   }
   const Vec2 b = sample_triangle_uniform(v);
   const Vec3 d = t.p0 * (1 - b.x - b.y) + t.p1 * b.x + t.p2 * b.y - from;
   const float d2 = length_squared(d), distance = std::sqrt(d2);
   const float pdf = chosen.probability * area_to_solid_angle(d2, height, t.area);
   if (!std::isfinite(pdf) || pdf <= 0) return std::nullopt;
-  return LightSample{d * (1 / distance), distance, emitted, pdf};
+  return LightSample{d * (1 / distance), distance, emitted, pdf, false, t.normal, position_error(t)};
 }
 
 float MeshLight::pdf_hit(const Point3& from, const LightHit& hit) const {

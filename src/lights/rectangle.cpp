@@ -1,5 +1,6 @@
 #include "lights/rectangle.h"
 
+#include "geometry/geometry.h"
 #include "lights/light.h"
 
 namespace etendue {
@@ -72,7 +73,8 @@ std::optional<LightSample> RectangleLight::sample(const Point3& from, Vec2 u) co
   const float d2 = length_squared(d), distance = std::sqrt(d2);
   if (pdf_solid == 0) pdf_solid = d2 * distance / (height * rectangle.area());  // cos at the light = height / distance
   if (!std::isfinite(pdf_solid) || pdf_solid <= 0) return std::nullopt;
-  return LightSample{d * (1 / distance), distance, emitted, pdf_solid};
+  const float largest = max_abs_component(rectangle.corner) + rectangle.length_x + rectangle.length_y;
+  return LightSample{d * (1 / distance), distance, emitted, pdf_solid, false, rectangle.normal, kRelativeError * largest};
 }
 
 float RectangleLight::pdf_hit(const Point3& from, const LightHit& hit) const {

@@ -1,3 +1,4 @@
+#include "geometry/geometry.h"
 #include "lights/light.h"
 #include "math/frame.h"
 #include "sampling/warp.h"
@@ -23,8 +24,10 @@ std::optional<LightSample> SphereLight::sample(const Point3& from, Vec2 u) const
   // Nearer intersection of the chosen direction, d cos θ − √(r² − d² sin² θ), without that difference: it cancels near the sphere.
   const float sin2 = square(local.x) + square(local.y);
   const float distance = (d - radius) * (d + radius) / (d * local.z + safe_sqrt(r2 - d2 * sin2));
-  return LightSample{Frame::from_normal(to_center * (1 / d)).to_world(local), distance, emitted,
-                     cone_uniform_pdf(one_minus_cos)};
+  const Vec3 wi = Frame::from_normal(to_center * (1 / d)).to_world(local);
+  const Vec3 normal = normalize(wi * distance - to_center);
+  return LightSample{wi, distance, emitted, cone_uniform_pdf(one_minus_cos), false, normal,
+                     kRelativeError * (max_abs_component(center) + radius)};
 }
 
 float SphereLight::pdf_hit(const Point3& from, const LightHit&) const {

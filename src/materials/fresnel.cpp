@@ -27,8 +27,9 @@ float fresnel_schlick(float cos_i, float eta) {
 
 namespace {
 
-/// (a − b) / (a + b), for a ≥ b ≥ 0. All is reflected where both vanish: straight onto an index of 0, along a boundary to an index of 1.
-float contrast(float a, float b) { return a + b > 0 ? (a - b) / (a + b) : 1.0f; }
+/// (a − b) / (a + b), for a ≥ b ≥ 0 but for rounding. All is reflected where both vanish: straight onto an index of 0, along a boundary
+/// to an index of 1.
+float contrast(float a, float b) { return a + b > 0 ? std::max(a - b, 0.0f) / (a + b) : 1.0f; }
 
 /// One channel, with a² + b² the modulus of √((η+ik)² − sin²θ) (Born and Wolf 1999, section 14.2).
 float conductor_channel(float cos_i, float eta, float k) {

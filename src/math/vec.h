@@ -11,6 +11,7 @@ namespace etendue {
 using Vec2 = Imath::V2f;
 using Vec3 = Imath::V3f;
 using Point3 = Vec3;  ///< a position; Vec3 is a direction or a difference
+using Vec3d = Imath::V3d;  ///< where floats would cancel
 
 inline constexpr float kPi = std::numbers::pi_v<float>;
 inline constexpr float kInvPi = std::numbers::inv_pi_v<float>;

@@ -10,6 +10,17 @@
 namespace etendue {
 namespace {
 
+/// Brings every channel into [0, 1], NaN to 0; returns how many texels that changed.
+std::size_t make_reflectance(Image& image) {
+  std::size_t changed = 0;
+  for (Spectrum& texel : image.pixels()) {
+    const Spectrum before = texel;
+    for (int c = 0; c < 3; ++c) texel[c] = texel[c] >= 0 ? std::min(texel[c], 1.0f) : 0.0f;
+    changed += texel == before ? 0 : 1;
+  }
+  return changed;
+}
+
 /// Works through a description, room by room, and fills RenderScene::Data.
 class Compiler {
  public:
@@ -92,6 +103,8 @@ void Compiler::compile_textures() {
   for (const scene::Texture& texture : scene_.textures) {
     try {
       data_->textures.push_back(read_image(texture.file));
+      diagnostics_.repaired("texel that is no reflectance between 0 and 1 brought there", texture.where,
+                            make_reflectance(data_->textures.back()));
     } catch (const Error& error) {
       diagnostics_.warning(fmt::format("{}; the texture is replaced by grey", error.what()), texture.where);
       data_->textures.emplace_back(1, 1, Spectrum(0.5f));
@@ -170,7 +183,8 @@ void Compiler::compile_instances() {
         diagnostics_.repaired("sphere without extent left out", instance.where);
         continue;
       }
-      add_sphere({m.origin, radius, normalize(m.y)}, instance.material.index);
+      const Vec3 pole = normalize(m.y);
+      add_sphere({m.origin, radius, pole, normalize(m.x - pole * dot(m.x, pole))}, instance.material.index);
       continue;
     }
     const scene::Mesh& mesh = scene_.meshes[std::get<scene::Id<scene::Mesh>>(instance.shape).index];

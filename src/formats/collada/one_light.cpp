@@ -45,7 +45,7 @@ class Rectangle {
   explicit Rectangle(const Transform& to_world)
       : center_(to_world.origin),
         half_diagonal_((length(to_world.x) + length(to_world.y)) / 2),
-        slack_(0.01f * std::max(length(to_world.x), length(to_world.y)) + 0.01f) {
+        slack_(0.02f * std::max(length(to_world.x), length(to_world.y))) {
     const Vec3 across = cross(to_world.x, to_world.y);
     front_ = normalize(dot(across, to_world.z) > 0 ? -across : across);
     to_local_ = Transform{to_world.x, to_world.y, front_, center_}.inverse();
@@ -153,11 +153,11 @@ std::vector<scene::Light> without_doubled_lights(const scene::SceneDescription& 
                        light.where);
     } else {
       report.warning(
-          fmt::format("the area light {} lies on the emissive mesh {}, which has another radiance: both shine; "
-                      "if they are one light, give them the same",
-                      in_quotes(light.name), in_quotes(lamp->instance->name)),
+          fmt::format("the area light {} (radiance {} {} {}) lies on the emissive mesh {} (radiance {} {} {}): one place "
+                      "holds one light, and what is seen is kept, the mesh",
+                      in_quotes(light.name), source->radiance.r, source->radiance.g, source->radiance.b,
+                      in_quotes(lamp->instance->name), lamp->radiance.r, lamp->radiance.g, lamp->radiance.b),
           light.where);
-      kept.push_back(light);
     }
   }
   return kept;

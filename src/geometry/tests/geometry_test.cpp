@@ -201,9 +201,19 @@ TEST(Sphere, AxisMovesThePole) {
   }
 }
 
+TEST(Sphere, MeridianTurnsTheTexture) {
+  const auto u = [](const Vec3& meridian) {
+    const Geometry geometry = built(SphereShape{{0, 0, 0}, 2, {0, 1, 0}, meridian});
+    const Ray ray{{5, 0, 0}, {-1, 0, 0}};
+    const RayHit hit = geometry.intersect(ray);
+    return geometry.texture_coordinates(hit, geometry.surface(ray, hit)).x;
+  };
+  EXPECT_NEAR(u({1, 0, 0}), 0.5f, 1e-5);
+  EXPECT_NEAR(u({0, 0, -1}), 0.25f, 1e-5);
+}
+
 /// Nearest intersection with a shape, in doubles.
 std::optional<double> reference_distance(const Geometry& geometry, const Ray& ray) {
-  using Vec3d = Imath::V3d;
   const Vec3d o(ray.origin), d(ray.direction);
   std::optional<double> nearest;
   const auto offer = [&](double t) {
