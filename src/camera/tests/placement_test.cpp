@@ -50,7 +50,8 @@ TEST(Placement, FitKeepsThePixelSizeOfTheTeachingRenderer) {
   const Camera wide = place_camera(scene, kBox, CameraPlacement::fit, 1600, 600, diagnostics);
   EXPECT_FLOAT_EQ(wide.tan_half_x, 2 * whole.tan_half_x);
   EXPECT_FLOAT_EQ(wide.tan_half_y, whole.tan_half_y);
-  EXPECT_TRUE(diagnostics.all().empty());
+  ASSERT_EQ(diagnostics.all().size(), 1u);
+  EXPECT_NE(diagnostics.all()[0].message.find("the middle 480 x 360 of its 800 x 600 view"), std::string::npos);
 }
 
 TEST(Placement, FitGrowsTheFilesFieldOfViewToFourByThree) {
