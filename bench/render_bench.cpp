@@ -119,7 +119,7 @@ class Recorder : public RayRecorder {
 
 void report_trace_bound(const char* name, const Loaded& loaded, RenderSettings s) {
   const ThreadLimit limit(1);
-  s.crop = CropWindow{120, 90, 240, 180};  // the recorded rays have to fit into memory
+  s.crop = CropWindow{180, 120, 120, 120};  // the recorded rays have to fit into memory
   // The one writer of the scene while no one renders: the recorder is not part of what a scene is.
   auto& geometry = const_cast<Geometry&>(loaded.scene.data().geometry);
   Recorder recorder;
@@ -209,12 +209,12 @@ void run() {
   const fs::path own = ETENDUE_SCENES;
   const auto whole = [](const char* name, const Loaded& scene) {
     report_throughput(fmt::format("{} -s 64 -l 4 -m 5", name).c_str(), scene, settings(64, 4, 5));
-    report_trace_bound(fmt::format("{} -l 4 -m 5", name).c_str(), scene, settings(16, 4, 5));
-    report_trace_bound(fmt::format("{} unlimited depth", name).c_str(), scene, settings(16, 0, kUnlimitedDepth));
+    report_trace_bound(fmt::format("{} -l 4 -m 5", name).c_str(), scene, settings(64, 4, 5));
+    report_trace_bound(fmt::format("{} unlimited depth", name).c_str(), scene, settings(64, 0, kUnlimitedDepth));
     report_efficiency(fmt::format("{} depth 100", name).c_str(), scene, settings(64, 0, 100));
   };
   whole("cornell-spheres", load(own / "cornell-spheres.dae", {}));
-  report_trace_bound("knot", load(own / "knot.dae", {}), settings(16, 0, kUnlimitedDepth));
+  report_trace_bound("knot", load(own / "knot.dae", {}), settings(64, 0, kUnlimitedDepth));
   const char* shared = std::getenv("ETENDUE_SHARED");
   if (shared == nullptr) {
     fmt::print("ETENDUE_SHARED is not set: the course's scenes are left out\n");
@@ -222,10 +222,10 @@ void run() {
   }
   const fs::path course = fs::path(shared) / "scenes/cs184";
   whole("CBspheres", load(course / "CBspheres.dae", {}));
-  report_trace_bound("CBbunny", load(course / "CBbunny.dae", {}), settings(16, 0, kUnlimitedDepth));
+  report_trace_bound("CBbunny", load(course / "CBbunny.dae", {}), settings(64, 0, kUnlimitedDepth));
   report_trace_bound("bunny (copper, museum.exr)",
                      load(course / "bunny_microfacet_cu_unlit.dae", fs::path(shared) / "envmaps/museum.exr"),
-                     settings(16, 0, kUnlimitedDepth));
+                     settings(64, 0, kUnlimitedDepth));
 }
 
 }  // namespace

@@ -190,6 +190,9 @@ CommandLine parsed(const Parser& p, std::string command_line) {
   if (p.version) return {LogLevel::normal, PrintText{"etendue " ETENDUE_VERSION "\n"}};
   if (p.app.get_subcommands().empty()) reject_missing_command(p.app);
   const CLI::App* command = p.app.get_subcommands().front();
+  if (const std::vector<std::string> early = p.app.remaining(); !early.empty())
+    fail(fmt::format("{} stands before the command; options stand behind it: etendue {} … {}", early[0],
+                     command->get_name(), early[0]));
   reject_remaining(*command);
   if (p.quiet && p.verbose) fail("--quiet and --verbose contradict each other; give one of them");
 

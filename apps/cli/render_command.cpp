@@ -39,8 +39,39 @@ fs::path rate_picture_path(const fs::path& output) {
   return output.parent_path() / (output.stem().string() + "_rate.png");
 }
 
+/// All files that a render writes.
+std::vector<fs::path> written_files(const RenderOptions& options) {
+  std::vector<fs::path> files = options.outputs;
+  if (options.settings.adaptive) {
+    std::set<fs::path> rates;
+    for (const fs::path& output : options.outputs) rates.insert(rate_picture_path(output));
+    files.insert(files.end(), rates.begin(), rates.end());
+  }
+  if (options.save_camera) files.push_back(*options.save_camera);
+  if (options.stats) files.push_back(*options.stats);
+  return files;
+}
+
+/// Nothing that is read may be overwritten, and nothing written twice.
+void check_distinct(const RenderOptions& options) {
+  std::vector<fs::path> read{options.scene};
+  if (options.environment) read.push_back(options.environment->file);
+  if (options.camera_file) read.push_back(*options.camera_file);
+  std::set<fs::path> taken;
+  for (const fs::path& file : read) taken.insert(fs::weakly_canonical(fs::absolute(file)));
+  for (const fs::path& file : written_files(options)) {
+    const fs::path canonical = fs::weakly_canonical(fs::absolute(file));
+    const bool is_input = std::any_of(read.begin(), read.end(), [&](const fs::path& f) { return fs::weakly_canonical(fs::absolute(f)) == canonical; });
+    if (!taken.insert(canonical).second)
+      throw Error(Failure::usage, fmt::format("{} {}", file.string(),
+                                              is_input ? "would be overwritten, but it is an input; choose another name"
+                                                       : "would be written twice; choose different names"));
+  }
+}
+
 /// Everything that can be known to fail before the long work.
 void check_files(const RenderOptions& options) {
+  check_distinct(options);
   for (const fs::path& output : options.outputs) {
     check_writable(output);
     if (options.settings.adaptive) check_writable(rate_picture_path(output));
@@ -119,6 +150,12 @@ void tell_invalid_samples(const RenderProgress& progress) {
       fmt::format("warning: {} samples were infinite, negative or no number and count as black (the first: {}); "
                   "please report the scene",
                   progress.invalid_samples, progress.first_invalid));
+}
+
+void tell_unsampled(const RenderProgress& progress, const RenderStats& stats) {
+  if (progress.unsampled_pixels == 0) return;
+  const double share = static_cast<double>(progress.unsampled_pixels) / (static_cast<double>(stats.width) * stats.height);
+  log_warning(fmt::format("warning: stopped before every pixel had a sample: {:.2g} % of the picture is black", 100 * share));
 }
 
 void tell_ending(Ending ending, const RenderOptions& options, const RenderStats& stats) {
@@ -208,6 +245,7 @@ int run(const RenderOptions& options) {
   add_progress(stats, progress);
 
   tell_invalid_samples(progress);
+  tell_unsampled(progress, stats);
   write_outputs(options, session, stats);
   tell_ending(ending, options, stats);
   return ending == Ending::interrupted ? kInterruptedExitCode : 0;

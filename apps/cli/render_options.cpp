@@ -16,6 +16,7 @@ using flags::Range;
 constexpr int kLargestSide = 65536;
 constexpr std::int64_t kMostPixels = std::int64_t{1} << 30;
 constexpr float kHuge = 1e30f;
+constexpr float kLargestLength = 1e12f;  ///< metres; as far as geometry may reach
 
 void add_output_flags(CLI::App& app, RenderFlags& f) {
   RenderOptions& o = f.options;
@@ -137,10 +138,10 @@ void add_camera_flags(CLI::App& app, RenderFlags& f) {
       ->group("Camera");
   flags::file(app, "-c,--camera", o.camera_file, "Camera settings, as --save-camera writes them")->group("Camera");
   flags::file(app, "--save-camera", o.save_camera, "Write the camera's settings")->group("Camera");
-  flags::number(app, "-b,--lens-radius", o.lens_radius, Range{0.0f, kHuge}, "R",
+  flags::number(app, "-b,--lens-radius", o.lens_radius, Range{0.0f, kLargestLength}, "R",
                 "Of a thin lens, in metres (default 0: a pinhole)")
       ->group("Camera");
-  flags::number(app, "-d,--focal-distance", o.focal_distance, Range{1e-6f, kHuge}, "D",
+  flags::number(app, "-d,--focal-distance", o.focal_distance, Range{1e-6f, kLargestLength}, "D",
                 "To what is sharp, in metres (default: to the scene's centre)")
       ->group("Camera");
   flags::add(app, "--focus-at", {"X,Y"}, "Make what this pixel shows sharp", [&o](auto words) {

@@ -74,7 +74,8 @@ Geometry::Geometry(Geometry&&) noexcept = default;
 Geometry& Geometry::operator=(Geometry&&) noexcept = default;
 
 std::uint32_t Geometry::add(TriangleMesh mesh) {
-  for (const Point3& p : mesh.positions) bounds_.extend(p);
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t vertex : triangle) bounds_.extend(mesh.positions[vertex]);
   triangle_count_ += mesh.triangles.size();
   // Embree reads 16 bytes at each vertex, so the last one needs room behind it.
   mesh.positions.reserve(mesh.positions.size() + 2);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "base/error.h"
@@ -9,6 +10,10 @@
 
 namespace etendue {
 namespace {
+
+/// How far from the origin geometry may lie, in metres: beyond, the squares of distances between things would overflow.
+constexpr float kReach = 1e12f;
+bool is_out_of_reach(const Point3& p) { return !(max_abs_component(p) <= kReach); }
 
 /// Brings every channel into [0, 1], NaN to 0; returns how many texels that changed.
 std::size_t make_reflectance(Image& image) {
@@ -51,7 +56,7 @@ class Compiler {
 };
 
 /// The mesh in world space. Its winding is made to agree with its normals, so that the front is on their side; normals that say no more
-/// than the triangles themselves are left out. Triangles without area are dropped and counted.
+/// than the triangles themselves are left out. Triangles without area or out of reach are dropped and counted.
 TriangleMesh to_world(const scene::Mesh& mesh, const Transform& m, std::size_t& dropped) {
   TriangleMesh out;
   out.positions.reserve(mesh.positions.size() + 2);
@@ -67,7 +72,7 @@ TriangleMesh to_world(const scene::Mesh& mesh, const Transform& m, std::size_t& 
     const Point3 &p0 = out.positions[t[0]], &p1 = out.positions[t[1]], &p2 = out.positions[t[2]];
     const Vec3 n = cross(p1 - p0, p2 - p0);
     const float l = length(n);
-    if (!(l > 0) || !std::isfinite(l)) {
+    if (!(l > 0) || !std::isfinite(l) || is_out_of_reach(p0) || is_out_of_reach(p1) || is_out_of_reach(p2)) {
       ++dropped;
       continue;
     }
@@ -183,6 +188,10 @@ void Compiler::compile_instances() {
         diagnostics_.repaired("sphere without extent left out", instance.where);
         continue;
       }
+      if (is_out_of_reach(m.origin) || radius > kReach) {
+        diagnostics_.repaired("sphere that reaches beyond 1e12 m left out", instance.where);
+        continue;
+      }
       const Vec3 pole = normalize(m.y);
       add_sphere({m.origin, radius, pole, normalize(m.x - pole * dot(m.x, pole))}, instance.material.index);
       continue;
@@ -191,7 +200,7 @@ void Compiler::compile_instances() {
     TriangleMesh world = to_world(mesh, m, dropped);
     if (!world.triangles.empty()) add_mesh(std::move(world), instance.material.index);
   }
-  diagnostics_.repaired("triangle without area left out", {}, dropped);
+  diagnostics_.repaired("triangle without area or beyond 1e12 m left out", {}, dropped);
 }
 
 void Compiler::add_rectangle(const scene::Light& light, const Spectrum& radiance) {
@@ -201,8 +210,8 @@ void Compiler::add_rectangle(const scene::Light& light, const Spectrum& radiance
   mesh.positions = {m.origin - x - y, m.origin - x + y, m.origin + x + y, m.origin + x - y};  // clockwise seen from +z
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   if (m.determinant() < 0) mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
-  if (!(length(cross(x, y)) > 0)) {
-    diagnostics_.repaired("rectangle light without area left out", light.where);
+  if (!(length(cross(x, y)) > 0) || std::ranges::any_of(mesh.positions, is_out_of_reach)) {
+    diagnostics_.repaired("rectangle light without area or beyond 1e12 m left out", light.where);
     return;
   }
   data_->materials.push_back({UniformMaterial{BlackBsdf{}}, radiance});

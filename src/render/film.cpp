@@ -1,5 +1,6 @@
 #include "render/film.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -64,6 +65,11 @@ Picture Film::picture() const {
       return n > 1 ? std::max(0.0, (p.sum_of_squares[c] - n * mean * mean) / (n - 1)) : 0.0;
     });
   return picture;
+}
+
+std::size_t Film::unsampled_pixels() const {
+  return static_cast<std::size_t>(
+      std::count_if(pixels_.begin(), pixels_.end(), [](const PixelSums& p) { return p.samples == 0; }));
 }
 
 double Film::noise() const {

@@ -52,6 +52,8 @@ class Film {
   Picture picture() const;
   /// Mean over pixels of σ/√n / (mean + 0.01), luminance; ∞ before two samples.
   double noise() const;
+  /// How many pixels no sample has reached.
+  std::size_t unsampled_pixels() const;
 
  private:
   int width_;

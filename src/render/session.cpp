@@ -20,10 +20,16 @@ using Clock = std::chrono::steady_clock;
 /// What a pass without a given number of samples should last: short enough to steer by, long enough to start cheaply.
 constexpr double kPassSeconds = 0.5;
 
-/// `samples` rounded up to a multiple of the batch: batches always begin at such multiples, so that which samples travel together does
-/// not depend on how a render is split into passes.
+/// In metres; as far as geometry may reach.
+constexpr float kFarthestCamera = 1e12f;
+
+/// `samples` rounded up to where a batch ends: after 1, 4 and 16 samples, then after every 16. Batches lie between these counts whatever
+/// the passes, so that which samples travel together does not depend on how a render is split; the first are small, so that even a render
+/// that is soon stopped has seen every pixel.
 std::uint32_t whole_batches(std::uint32_t samples) {
   constexpr std::uint32_t kBatch = Geometry::kBatch;
+  if (samples <= 1) return samples;
+  if (samples <= 4) return 4;
   return (samples + kBatch - 1) / kBatch * kBatch;
 }
 
@@ -53,11 +59,11 @@ struct RenderSession::Impl {
   Film film;
 
   std::atomic<std::uint64_t> rays{0}, samples_done{0}, samples_saved{0}, invalid_samples{0};
-  std::atomic<std::size_t> finished_pixels{0};
+  std::atomic<std::size_t> finished_pixels{0}, unsampled_pixels{0};
   std::mutex first_invalid_mutex;
   std::string first_invalid;
   std::atomic<double> seconds{0}, noise{std::numeric_limits<double>::infinity()};  // as of the last pass
-  int pass_samples = Geometry::kBatch;
+  int pass_samples = 1;
 
   Impl(RenderScene s, const Camera& camera, const RenderSettings& chosen)
       : scene(std::move(s)),
@@ -124,6 +130,8 @@ RenderSession::RenderSession(RenderScene scene, const Camera& camera, const Rend
   const CropWindow crop = settings.crop.value_or(CropWindow{0, 0, settings.width, settings.height});
   if (settings.width < 1 || settings.height < 1 || settings.samples_per_pixel < 1 || settings.tile_size < 1)
     throw Error(Failure::usage, "width, height, samples per pixel and tile size must be at least 1");
+  if (!(max_abs_component(camera.to_world.origin) <= kFarthestCamera))
+    throw Error(Failure::input, "the camera stands farther than 1e12 m from the origin, or nowhere; check its position");
   if (settings.adaptive && settings.adaptive->batch < 1) throw Error(Failure::usage, "an adaptive batch needs at least 1 sample");
   if (crop.x < 0 || crop.y < 0 || crop.width < 1 || crop.height < 1 || crop.x > settings.width - crop.width ||
       crop.y > settings.height - crop.height)
@@ -151,6 +159,7 @@ void RenderSession::render_pass(std::stop_token stop, int samples) {
   const double took = std::chrono::duration<double>(Clock::now() - start).count();
   s.seconds = s.seconds + took;
   s.noise = s.film.noise();
+  s.unsampled_pixels = s.film.unsampled_pixels();
   if (samples == 0 && took < kPassSeconds) s.pass_samples = std::min(s.pass_samples * 2, 1 << 12);
 }
 
@@ -166,6 +175,7 @@ RenderProgress RenderSession::progress() const {
   p.invalid_samples = s.invalid_samples;
   p.render_seconds = s.seconds;
   p.noise = s.noise;
+  p.unsampled_pixels = s.unsampled_pixels;
   {
     const std::lock_guard lock(impl_->first_invalid_mutex);
     p.first_invalid = s.first_invalid;

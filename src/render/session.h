@@ -18,6 +18,7 @@ struct RenderProgress {
   std::uint64_t samples_total = 0;    ///< of a render that runs to its end; pixels that stop early count as finished
   std::uint64_t rays = 0;             ///< all rays traced: camera, bounce and shadow
   std::uint64_t invalid_samples = 0;  ///< samples that were NaN, infinite or negative and count as black
+  std::size_t unsampled_pixels = 0;   ///< as of the last pass: black, because it was stopped before they had their first sample
   std::string first_invalid;          ///< where the first of them fell: pixel, sample
   double render_seconds = 0;          ///< wall time inside finished passes
   double noise = 0;                   ///< relative standard error as of the last pass: mean over pixels of σ/√n / (mean + 0.01)
