@@ -51,6 +51,11 @@ bool is_valid(const Spectrum& radiance) {
 
 }  // namespace
 
+/// What a tile adds to the picture's counts, in one go: counters that threads share are dear.
+struct TileCounts {
+  std::uint64_t rays = 0, samples = 0, samples_saved = 0, finished_pixels = 0;
+};
+
 struct RenderSession::Impl {
   RenderScene scene;
   RenderSettings settings;
@@ -73,7 +78,7 @@ struct RenderSession::Impl {
         film(window.width, window.height) {}
 
   void render_tile(int x0, int y0, std::uint32_t samples, const std::stop_token& stop);
-  std::uint64_t render_pixel(int x, int y, std::uint32_t samples);
+  void render_pixel(int x, int y, std::uint32_t samples, TileCounts& counts);
   void note_invalid(int x, int y, std::uint32_t sample);
 };
 
@@ -83,19 +88,18 @@ void RenderSession::Impl::note_invalid(int x, int y, std::uint32_t sample) {
   if (first_invalid.empty()) first_invalid = fmt::format("pixel ({}, {}), sample {}", x, y, sample);
 }
 
-/// Adds up to `samples` samples to one pixel of the window; returns the rays that took.
-std::uint64_t RenderSession::Impl::render_pixel(int x, int y, std::uint32_t samples) {
+/// Adds up to `samples` samples to one pixel of the window.
+void RenderSession::Impl::render_pixel(int x, int y, std::uint32_t samples, TileCounts& counts) {
   PixelSums& pixel = film.at(x, y);
   const std::uint32_t before = pixel.samples;
   const std::uint32_t target = std::min(whole_batches(before + samples), static_cast<std::uint32_t>(settings.samples_per_pixel));
-  std::uint64_t traced = 0;
   PixelSample batch[Geometry::kBatch];
   while (pixel.samples < target && !pixel.finished) {
     const std::uint32_t check = next_check(pixel.samples, settings);
     const std::uint32_t end = std::min(target, check);
     const auto count = std::min(end, whole_batches(pixel.samples + 1)) - pixel.samples;
     const std::uint32_t first = pixel.samples;
-    traced += integrator->estimate(window.x + x, window.y + y, first, std::span(batch, count));
+    counts.rays += integrator->estimate(window.x + x, window.y + y, first, std::span(batch, count));
     for (std::uint32_t i = 0; i < count; ++i) {
       if (!is_valid(batch[i].radiance)) {
         note_invalid(window.x + x, window.y + y, first + i);
@@ -106,24 +110,26 @@ std::uint64_t RenderSession::Impl::render_pixel(int x, int y, std::uint32_t samp
     if (pixel.samples == check && settings.adaptive && has_settled(pixel, *settings.adaptive)) pixel.finished = true;
     if (pixel.samples >= static_cast<std::uint32_t>(settings.samples_per_pixel)) pixel.finished = true;
   }
-  samples_done += pixel.samples - before;
+  counts.samples += pixel.samples - before;
   if (pixel.finished) {
-    ++finished_pixels;
-    samples_saved += static_cast<std::uint32_t>(settings.samples_per_pixel) - pixel.samples;
+    ++counts.finished_pixels;
+    counts.samples_saved += static_cast<std::uint32_t>(settings.samples_per_pixel) - pixel.samples;
   }
-  return traced;
 }
 
 void RenderSession::Impl::render_tile(int x0, int y0, std::uint32_t samples, const std::stop_token& stop) {
-  std::uint64_t traced = 0;
+  TileCounts counts;
   const int x1 = std::min(x0 + settings.tile_size, film.width()), y1 = std::min(y0 + settings.tile_size, film.height());
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) {
       if (film.at(x, y).finished) continue;
       if (stop.stop_requested()) break;
-      traced += render_pixel(x, y, samples);
+      render_pixel(x, y, samples, counts);
     }
-  rays += traced;
+  rays += counts.rays;
+  samples_done += counts.samples;
+  samples_saved += counts.samples_saved;
+  finished_pixels += counts.finished_pixels;
 }
 
 RenderSession::RenderSession(RenderScene scene, const Camera& camera, const RenderSettings& settings) {
