@@ -418,10 +418,10 @@ TEST(Light, KindsAreConsistent) {
 // --- Closed forms
 // ------------------------------------------------------------------------------------------------------
 
-/// Red irradiance that `light` gives a surface at `from` facing `normal`, by samples spread evenly over the unit
-/// square.
-double irradiance(const Light& light, const Point3& from, const Vec3& normal, int side = 256) {
-  Random random(4);
+/// Mean of `value` over light samples spread evenly over the unit square; directions without light count as 0.
+template <typename Value>
+double mean_over_samples(const Light& light, const Point3& from, std::uint32_t seed, int side, Value value) {
+  Random random(seed);
   double sum = 0;
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
@@ -429,24 +429,21 @@ double irradiance(const Light& light, const Point3& from, const Vec3& normal, in
       const Vec2 u((static_cast<float>(x) + jitter.x) / static_cast<float>(side),
                    (static_cast<float>(y) + jitter.y) / static_cast<float>(side));
       if (const auto s = sample_light(light, from, {std::min(u.x, kOneMinusEpsilon), std::min(u.y, kOneMinusEpsilon)}))
-        sum += static_cast<double>(s->radiance.r) * std::max(dot(s->wi, normal), 0.0f) / s->pdf;
+        sum += value(*s);
     }
   return sum / side / side;
 }
 
+/// Red irradiance that `light` gives a surface at `from` facing `normal`.
+double irradiance(const Light& light, const Point3& from, const Vec3& normal, int side = 256) {
+  return mean_over_samples(light, from, 4, side, [&](const LightSample& s) {
+    return static_cast<double>(s.radiance.r) * std::max(dot(s.wi, normal), 0.0f) / s.pdf;
+  });
+}
+
 /// The solid angle from which the light comes: the mean of 1 / pdf.
 double sampled_solid_angle(const Light& light, const Point3& from, int side = 256) {
-  Random random(5);
-  double sum = 0;
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) {
-      const Vec2 jitter = random.point();
-      const Vec2 u((static_cast<float>(x) + jitter.x) / static_cast<float>(side),
-                   (static_cast<float>(y) + jitter.y) / static_cast<float>(side));
-      if (const auto s = sample_light(light, from, {std::min(u.x, kOneMinusEpsilon), std::min(u.y, kOneMinusEpsilon)}))
-        sum += 1 / static_cast<double>(s->pdf);
-    }
-  return sum / side / side;
+  return mean_over_samples(light, from, 5, side, [](const LightSample& s) { return 1 / static_cast<double>(s.pdf); });
 }
 
 /// Irradiance per radiance of a polygon that is wholly above the horizon of `normal` (Lambert 1760).
