@@ -38,7 +38,7 @@ T make_bsdf();
 template <>
 DiffuseBsdf make_bsdf() { return {Spectrum(0.5f)}; }
 template <>
-DielectricBsdf make_bsdf() { return {Spectrum(1), Spectrum(1), 1.5f, false}; }
+DielectricBsdf make_bsdf() { return {Spectrum(1), Spectrum(1), 1.5f}; }
 template <>
 ConductorBsdf make_bsdf() {
   return {{0.2f, 0.9f, 1.1f}, {3.9f, 2.4f, 2.1f}, Spectrum(1), MicrofacetDistribution(MicrofacetKind::beckmann, 0.1f)};

@@ -9,7 +9,7 @@ packages=(
   libopenimageio-dev openimageio-tools # OpenImageIO's CMake files insist on its command line tools
   fonts-dejavu-core # for the labels of `make figures`
   libopenexr-dev libimath-dev
-  libpugixml-dev libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev
+  libpugixml-dev zlib1g-dev libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev libbenchmark-dev
 )
 
@@ -24,7 +24,7 @@ done
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   cat >&2 <<'TEXT'
 This script knows Debian and Ubuntu only. Elsewhere, please install: a C++20 compiler (GCC 12 or later), CMake 3.22,
-Ninja, Python 3, Embree 3, oneTBB, OpenImageIO 2.4, OpenEXR 3, Imath 3, pugixml, CLI11 2, fmt 9, spdlog, nlohmann-json,
+Ninja, Python 3, Embree 3, oneTBB, OpenImageIO 2.4, OpenEXR 3, Imath 3, pugixml, zlib, CLI11 2, fmt 9, spdlog, nlohmann-json,
 GoogleTest with GoogleMock, Google Benchmark, the DejaVu fonts; Clang with its sanitizer runtime for the fuzzers.
 Then: cmake --preset release.
 TEXT

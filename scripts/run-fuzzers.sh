@@ -10,8 +10,8 @@ mapfile -t fuzzers < <(find "$folder" -name '*_fuzz' -type f -executable | sort)
 each=$((seconds / ${#fuzzers[@]}))
 ((each > 0)) || each=1 # 0 would mean for ever
 
-# What a fuzzer starts from: the small scenes, the good ones and the bad ones.
-seeds=$(find scenes tests/bad_input -type f -size -64k | sort | paste -sd,)
+# What a fuzzer starts from: the small scenes, the good ones and the bad ones, and small files of data.
+seeds=$(find scenes tests/bad_input src/formats/tests/seeds -type f -size -64k | sort | paste -sd,)
 
 for fuzzer in "${fuzzers[@]}"; do
   name=$(basename "$fuzzer")

@@ -11,7 +11,7 @@ import sys
 import tempfile
 
 # Top to bottom: a folder includes itself and what stands before it.
-ORDER = ["base", "math", "testing", "image", "scene", "formats", "sampling", "geometry", "materials", "lights", "camera", "render",
+ORDER = ["base", "math", "testing", "image", "scene", "formats", "volumes", "sampling", "geometry", "materials", "lights", "media", "camera", "render",
          "apps"]
 
 # What tests share stands high up, but only tests may lean on it.
@@ -22,7 +22,8 @@ MAY_READ_FORMATS = {"formats", "apps"}
 
 # First part of a library's include path → the one folder that uses it.
 OWNER = {"tbb": "base", "oneapi": "base", "spdlog": "base", "Imath": "math", "OpenImageIO": "image",
-         "OpenColorIO": "image", "pugixml.hpp": "formats", "embree3": "geometry", "embree4": "geometry", "CLI": "apps"}
+         "OpenColorIO": "image", "pugixml.hpp": "formats", "embree3": "geometry", "embree4": "geometry", "nanovdb": "volumes",
+         "openvdb": "volumes", "CLI": "apps"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 SUFFIXES = {".h", ".hpp", ".cpp", ".cc", ".inl"}

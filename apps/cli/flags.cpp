@@ -100,4 +100,18 @@ CLI::Option* file(CLI::App& app, const std::string& names, Target& target, const
 template CLI::Option* file(CLI::App&, const std::string&, std::filesystem::path&, const std::string&);
 template CLI::Option* file(CLI::App&, const std::string&, std::optional<std::filesystem::path>&, const std::string&);
 
+CLI::Option* definitions(CLI::App& app, std::map<std::string, std::string>& target, const std::string& help) {
+  const auto set = [&target](const std::vector<std::string>& words) {
+    for (const std::string& word : words) {
+      const std::size_t equals = word.find('=');
+      if (equals == std::string::npos || equals == 0)
+        throw Error(Failure::usage, fmt::format("-D needs NAME=VALUE, not \"{}\"", word));
+      target[word.substr(0, equals)] = word.substr(equals + 1);
+    }
+  };
+  return app.add_option_function<std::vector<std::string>>("-D,--define", set, help)
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+}
+
 }  // namespace etendue::flags

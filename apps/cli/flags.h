@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -39,6 +40,9 @@ double parse_duration(std::string_view flag, std::string_view word);
 
 /// The long name in "-s,--spp".
 std::string long_name(const std::string& names);
+
+/// -D NAME=VALUE, any number of times.
+CLI::Option* definitions(CLI::App& app, std::map<std::string, std::string>& target, const std::string& help);
 
 /// Target is T or std::optional<T>.
 template <typename T, typename Target>

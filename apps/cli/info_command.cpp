@@ -82,7 +82,7 @@ SceneSummary summarize(const scene::SceneDescription& scene, const RenderScene& 
   s.cameras = scene.cameras.size();
   for (const scene::Material& material : scene.materials) {
     ++s.materials[std::visit([](const auto& surface) { return kind(surface); }, material.surface)];
-    if (!material.emission.is_black()) ++s.emissive_materials;
+    if (scene::emits(material)) ++s.emissive_materials;
   }
   for (const scene::Light& light : scene.lights)
     ++s.lights[std::visit([](const auto& source) { return kind(source); }, light.source)];
@@ -149,7 +149,7 @@ std::string as_json(const SceneSummary& s) {
 int run(const InfoOptions& options) {
   Diagnostics diagnostics;
   DiagnosticsPrinter printer(diagnostics);
-  const scene::SceneDescription scene = read_scene(options.scene, diagnostics);
+  const scene::SceneDescription scene = read_scene(options.scene, diagnostics, options.read);
   const RenderScene compiled = compile(scene, {}, diagnostics);
   printer.print();
   const SceneSummary summary = summarize(scene, compiled);

@@ -91,6 +91,7 @@ Parser::Parser() {
 
   info = add_command("info", "Say what a scene file holds");
   info->add_option("SCENE", info_options.scene, "The scene file");
+  flags::definitions(*info, info_options.read.definitions, "Give $NAME of a Mitsuba scene this value");
   info->add_flag("--json", info_options.json, "As JSON");
 
   envmap = add_command("envmap", "Say what light an environment map holds");

@@ -8,6 +8,7 @@
 
 #include "base/log.h"
 #include "camera/placement.h"
+#include "formats/formats.h"
 #include "render/render_scene.h"
 #include "render/settings.h"
 #include "scene/scene.h"
@@ -25,6 +26,7 @@ struct Pixel {
 /// What `etendue render` was asked for. Absent optionals were not given.
 struct RenderOptions {
   std::filesystem::path scene;
+  ReadOptions read;
   std::vector<std::filesystem::path> outputs;
   RenderSettings settings;
   CompileOptions compile;
@@ -50,6 +52,7 @@ struct RenderOptions {
 
 struct InfoOptions {
   std::filesystem::path scene;
+  ReadOptions read;
   bool json = false;
 };
 

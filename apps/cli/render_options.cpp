@@ -219,6 +219,7 @@ std::optional<scene::EnvironmentLight> environment_of(const RenderFlags& f) {
 
 void add_render_flags(CLI::App& app, RenderFlags& f) {
   app.add_option("SCENE", f.options.scene, "The scene file");
+  flags::definitions(app, f.options.read.definitions, "Give $NAME of a Mitsuba scene this value");
   add_output_flags(app, f);
   add_picture_flags(app, f);
   add_sampling_flags(app, f);

@@ -32,7 +32,7 @@ scene::Light headlight(const Camera& camera, const Bounds3& bounds) {
 }  // namespace
 
 scene::SceneDescription read_description(const RenderOptions& options, Diagnostics& diagnostics) {
-  scene::SceneDescription description = read_scene(options.scene, diagnostics);
+  scene::SceneDescription description = read_scene(options.scene, diagnostics, options.read);
   if (options.environment) {
     std::error_code failure;
     if (!fs::exists(options.environment->file, failure))

@@ -42,7 +42,7 @@ bool has_light(const scene::SceneDescription& scene) {
     return std::visit([](const auto& source) { return shines(source); }, light.source);
   };
   const auto emits = [&](const scene::Instance& instance) {
-    return !scene.materials[instance.material.index].emission.is_black();
+    return scene::emits(scene.materials[instance.material.index]);
   };
   return std::ranges::any_of(scene.lights, light_shines) || std::ranges::any_of(scene.instances, emits);
 }

@@ -17,9 +17,24 @@ Vec2 sample_aperture(const Camera& camera, Vec2 u) {
   return corner(blade) * b.x + corner(blade + 1) * b.y;
 }
 
+namespace {
+
+/// A ray along the axis through a point of the camera's plane.
+Ray parallel_ray(const Camera& camera, float x, float y) {
+  Ray ray{camera.to_world.point({x, y, 0}), -camera.to_world.z};
+  ray.t_min = camera.near_clip;
+  if (camera.far_clip > 0) ray.t_max = camera.far_clip;
+  return ray;
+}
+
+}  // namespace
+
 Ray generate_ray(const Camera& camera, Vec2 film, Vec2 lens) {
   const Transform& m = camera.to_world;
-  const Vec3 local((2 * film.x - 1) * camera.tan_half_x, (1 - 2 * film.y) * camera.tan_half_y, -1);
+  const Vec2 centred = film + camera.principal_point;
+  const Vec3 local((2 * centred.x - 1) * camera.tan_half_x, (1 - 2 * centred.y) * camera.tan_half_y, -1);
+  if (camera.projection == Projection::orthographic) return parallel_ray(camera, local.x, local.y);
+  if (camera.projection == Projection::radiance) return parallel_ray(camera, 0, 0);
   Vec3 direction = local;
   Point3 origin = m.origin;
   if (camera.lens_radius > 0) {
@@ -40,9 +55,10 @@ Ray generate_ray(const Camera& camera, Vec2 film, Vec2 lens) {
 FilmPoint project(const Camera& camera, const Point3& world) {
   const Vec3 d = world - camera.to_world.origin;
   const float distance = -dot(d, camera.to_world.z);
-  const float x = dot(d, camera.to_world.x) / (distance * camera.tan_half_x);
-  const float y = dot(d, camera.to_world.y) / (distance * camera.tan_half_y);
-  return {{0.5f * (x + 1), 0.5f * (1 - y)}, distance};
+  const float scale = camera.projection == Projection::perspective ? distance : 1.0f;
+  const float x = dot(d, camera.to_world.x) / (scale * camera.tan_half_x);
+  const float y = dot(d, camera.to_world.y) / (scale * camera.tan_half_y);
+  return {Vec2(0.5f * (x + 1), 0.5f * (1 - y)) - camera.principal_point, distance};
 }
 
 }  // namespace etendue

@@ -5,11 +5,20 @@
 
 namespace etendue {
 
-/// A perspective camera with a thin lens: at `to_world.origin`, looking along its −z, +y up, the three axes orthonormal.
+enum class Projection {
+  perspective,   ///< rays through a thin lens
+  orthographic,  ///< parallel rays; tan_half_x and tan_half_y are half the picture's width and height in metres
+  radiance,      ///< every pixel looks along the axis
+  irradiance,    ///< every pixel looks at the hemispheres above a surface: rays are not generate_ray's
+};
+
+/// A camera with a thin lens: at `to_world.origin`, looking along its −z, +y up, the three axes orthonormal.
 struct Camera {
   Transform to_world;
+  Projection projection = Projection::perspective;
   float tan_half_x = 0.5f;       ///< half width of the picture on the plane at distance 1
   float tan_half_y = 0.375f;     ///< half height
+  Vec2 principal_point{0, 0};    ///< where the picture's centre lies off the axis, in widths and heights, right and down
   float near_clip = 0;           ///< distance along the axis before which nothing is seen
   float far_clip = 0;            ///< the same beyond which nothing is seen; 0: none
   float lens_radius = 0;         ///< metres; 0: a pinhole
@@ -18,7 +27,7 @@ struct Camera {
   float blade_rotation = 0;      ///< radians, counter-clockwise seen from behind the camera
 };
 
-/// The ray through a point of the picture. `film` is in [0,1)²: x to the right, y downwards. `lens` in [0,1)² picks a point of the
+/// The ray through a point of the picture. `film` is in [0,1)² (or beyond, just outside the picture): x to the right, y downwards. `lens` in [0,1)² picks a point of the
 /// aperture, uniformly by area. The direction is unit; t_min and t_max hold the clipping planes.
 Ray generate_ray(const Camera& camera, Vec2 film, Vec2 lens);
 

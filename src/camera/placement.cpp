@@ -29,6 +29,8 @@ HalfExtent half_extent(float xfov_deg, float aspect) {
 }
 
 HalfExtent file_extent(const scene::Camera& camera, Diagnostics& diagnostics) {
+  if (camera.projection == scene::Projection::orthographic && camera.aspect > 0)
+    return {length(camera.to_world.x), length(camera.to_world.y) / camera.aspect};
   const bool possible =
       camera.xfov_deg > 0 && camera.xfov_deg < 180 && camera.aspect > 0 && std::isfinite(camera.aspect);
   if (possible) return half_extent(camera.xfov_deg, camera.aspect);
@@ -56,7 +58,7 @@ std::optional<Transform> repaired_frame(const scene::Camera& camera, Diagnostics
                                     "that the picture is not mirrored",
                                     camera.name),
                         camera.where);
-  else if (deviation > kTolerance)
+  else if (deviation > kTolerance && camera.projection != scene::Projection::orthographic)
     diagnostics.warning(fmt::format("the camera \"{}\" is scaled or skewed by its transforms; its axes were made "
                                     "orthonormal, its field of view stays",
                                     camera.name),
@@ -101,12 +103,26 @@ Camera framing_camera(const Bounds3& bounds, float aspect) {
   return camera;
 }
 
+Projection projection_of(const scene::Camera& camera) {
+  switch (camera.projection) {
+    case scene::Projection::perspective: return Projection::perspective;
+    case scene::Projection::orthographic: return Projection::orthographic;
+    case scene::Projection::radiance: return Projection::radiance;
+    case scene::Projection::irradiance: return Projection::irradiance;
+  }
+  return Projection::perspective;
+}
+
 Camera file_camera(const scene::Camera& from, const Transform& frame, HalfExtent extent, float aspect) {
   const HalfExtent grown = grown_to_aspect(extent, aspect);
   Camera camera;
   camera.to_world = frame;
-  camera.tan_half_x = grown.x;
+  camera.projection = projection_of(from);
+  camera.tan_half_x = from.mirrored ? -grown.x : grown.x;
   camera.tan_half_y = grown.y;
+  camera.principal_point = {from.principal_point[0], from.principal_point[1]};
+  camera.lens_radius = from.lens_radius;
+  if (from.focal_distance > 0) camera.focal_distance = from.focal_distance;
   camera.near_clip = from.near_clip;
   camera.far_clip = from.far_clip;
   return camera;

@@ -10,15 +10,25 @@
 
 #include "base/error.h"
 #include "formats/collada/collada.h"
+#include "formats/mitsuba/mitsuba.h"
 
 namespace etendue {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 1> kColladaExtensions = {".dae"};
+scene::SceneDescription read_collada(const fs::path& path, const ReadOptions&, Diagnostics& diagnostics) {
+  return collada::read_file(path, diagnostics);
+}
+
+scene::SceneDescription read_mitsuba(const fs::path& path, const ReadOptions& options, Diagnostics& diagnostics) {
+  return mitsuba::read_file(path, options.definitions, diagnostics);
+}
+
+constexpr std::array<std::string_view, 1> kColladaExtensions = {".dae"}, kMitsubaExtensions = {".xml"};
 constexpr SceneFormat kFormats[] = {
-    {"COLLADA", kColladaExtensions, collada::read_file},
+    {"COLLADA", kColladaExtensions, read_collada},
+    {"Mitsuba", kMitsubaExtensions, read_mitsuba},
 };
 constexpr const SceneFormat& kCollada = kFormats[0];
 
@@ -53,7 +63,9 @@ bool looks_like_collada(const fs::path& path) {
   return head.find("<COLLADA") != std::string::npos && head.find_first_not_of("\xef\xbb\xbf \t\r\n") == head.find('<');
 }
 
+/// What the file starts with counts before what it is called.
 const SceneFormat& format_of(const fs::path& path) {
+  if (looks_like_collada(path)) return kCollada;
   const std::string extension = lower_case_extension(path);
   std::string known;
   for (const SceneFormat& format : kFormats)
@@ -61,7 +73,6 @@ const SceneFormat& format_of(const fs::path& path) {
       if (candidate == extension) return format;
       known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", candidate, format.name);
     }
-  if (looks_like_collada(path)) return kCollada;
   reject(path,
          fmt::format("scene files {} are not known; known are {}",
                      extension.empty() ? "without extension" : fmt::format("that end in \"{}\"", extension), known));
@@ -73,9 +84,10 @@ std::span<const SceneFormat> scene_formats() {
   return kFormats;
 }
 
-scene::SceneDescription read_scene(const std::filesystem::path& path, Diagnostics& diagnostics) {
+scene::SceneDescription read_scene(const std::filesystem::path& path, Diagnostics& diagnostics,
+                                   const ReadOptions& options) {
   require_content(path);
-  return format_of(path).read(path, diagnostics);
+  return format_of(path).read(path, options, diagnostics);
 }
 
 }  // namespace etendue

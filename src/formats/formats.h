@@ -1,18 +1,25 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "scene/scene.h"
 
 namespace etendue {
 
+/// What a user can say about how a file is to be read.
+struct ReadOptions {
+  std::map<std::string, std::string> definitions;  ///< values for the $names of a Mitsuba scene
+};
+
 /// One scene file format: what it is called, how it is recognised, who reads it.
 struct SceneFormat {
   std::string_view name;
   std::span<const std::string_view> extensions;  ///< lower case, with the dot
-  scene::SceneDescription (*read)(const std::filesystem::path&, Diagnostics&);
+  scene::SceneDescription (*read)(const std::filesystem::path&, const ReadOptions&, Diagnostics&);
 };
 
 /// All formats there are.
@@ -20,6 +27,7 @@ std::span<const SceneFormat> scene_formats();
 
 /// Reads a scene file in the format its extension names. Problems that can be repaired become counted warnings in `diagnostics`;
 /// what cannot be is collected there and thrown together as Error(Failure::input) with file, line and remedy.
-scene::SceneDescription read_scene(const std::filesystem::path& path, Diagnostics& diagnostics);
+scene::SceneDescription read_scene(const std::filesystem::path& path, Diagnostics& diagnostics,
+                                   const ReadOptions& options = {});
 
 }  // namespace etendue

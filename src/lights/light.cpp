@@ -2,7 +2,7 @@
 
 namespace etendue {
 
-std::optional<LightSample> PointLight::sample(const Point3& from, Vec2) const {
+std::optional<LightSample> PointLight::sample(const Point3& from, Vec2, float) const {
   const Vec3 d = position - from;
   const float d2 = length_squared(d);
   if (!(d2 > 0)) return std::nullopt;
@@ -10,20 +10,9 @@ std::optional<LightSample> PointLight::sample(const Point3& from, Vec2) const {
   return LightSample{d * (1 / distance), distance, intensity / d2, 1, true};
 }
 
-float PointLight::power(const Bounds3&) const { return 4 * kPi * intensity.luminance(); }
-
-std::optional<LightSample> SpotLight::sample(const Point3& from, Vec2) const {
-  const Vec3 d = position - from;
-  const float d2 = length_squared(d);
-  if (!(d2 > 0)) return std::nullopt;
-  const float distance = std::sqrt(d2);
-  const Vec3 wi = d * (1 / distance);
-  const float cosine = -dot(wi, axis);
-  if (cosine < cos_cutoff) return std::nullopt;
-  return LightSample{wi, distance, intensity * (std::pow(std::max(cosine, 0.0f), exponent) / d2), 1, true};
+float PointLight::power(const Bounds3&) const {
+  return 4 * kPi * intensity.luminance();
 }
-
-float SpotLight::power(const Bounds3&) const { return 2 * kPi * (1 - cos_cutoff) * intensity.luminance(); }
 
 namespace {
 
@@ -35,8 +24,8 @@ static_assert(all_are_models(static_cast<const Light*>(nullptr)));
 
 }  // namespace
 
-std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u) {
-  return std::visit([&](const auto& l) { return l.sample(from, u); }, light);
+std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u, float choice) {
+  return std::visit([&](const auto& l) { return l.sample(from, u, choice); }, light);
 }
 
 float light_pdf(const Light& light, const Point3& from, const LightHit& hit) {

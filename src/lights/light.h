@@ -9,7 +9,9 @@
 #include "image/image.h"
 #include "lights/environment.h"
 #include "lights/rectangle.h"
+#include "materials/texture.h"
 #include "math/bounds.h"
+#include "math/frame.h"
 #include "math/spectrum.h"
 #include "math/transform.h"
 #include "math/vec.h"
@@ -19,13 +21,14 @@ namespace etendue {
 
 /// A direction from which a light shines on a point.
 struct LightSample {
-  Vec3 wi;               ///< unit, towards the light
-  float distance = 0;    ///< to it; infinite for lights at infinity
-  Spectrum radiance;     ///< arriving along wi if nothing is in between; for delta lights the irradiance on a surface facing wi, × pdf
-  float pdf = 0;         ///< per solid angle at the lit point; 1 for delta lights
-  bool is_delta = false; ///< no BSDF sample can find this light
-  Vec3 normal{0, 0, 0};  ///< of the light's surface, on the side that shines; zero for lights without one
-  float error = 0;       ///< bound of the sampled point's rounding error: how far before the surface a shadow ray must end
+  Vec3 wi;                ///< unit, towards the light
+  float distance = 0;     ///< to it; infinite for lights at infinity
+  Spectrum radiance;      ///< arriving along wi if nothing is in between; for delta lights the irradiance on a surface
+                          ///< facing wi, × pdf
+  float pdf = 0;          ///< per solid angle at the lit point; 1 for delta lights
+  bool is_delta = false;  ///< no BSDF sample can find this light
+  Vec3 normal{0, 0, 0};   ///< of the light's surface, on the side that shines; zero for lights without one
+  float error = 0;  ///< bound of the sampled point's rounding error: how far before the surface a shadow ray must end
 };
 
 /// A point on a light that a ray found: what its density depends on.
@@ -33,13 +36,15 @@ struct LightHit {
   Point3 position;
   Vec3 normal;                  ///< unit, on the side that shines
   std::uint32_t primitive = 0;  ///< triangle within the mesh
+  float u = 0, v = 0;           ///< as in RayHit
 };
 
-/// What every light offers. `pdf_hit` of those with a surface: density per solid angle, at `from`, of sample() giving the direction to
+/// What every light offers. `u` picks the point or direction, `choice` the part of a light that has several; all
+/// uniform. `pdf_hit` of those with a surface: density per solid angle, at `from`, of sample() giving the direction to
 /// `hit`. `power`: emitted flux in W, roughly, for choosing among lights.
 template <typename T>
-concept LightModel = requires(const T& light, const Point3& from, Vec2 u, const Bounds3& scene) {
-  { light.sample(from, u) } -> std::same_as<std::optional<LightSample>>;
+concept LightModel = requires(const T& light, const Point3& from, Vec2 u, float choice, const Bounds3& scene) {
+  { light.sample(from, u, choice) } -> std::same_as<std::optional<LightSample>>;
   { light.power(scene) } -> std::same_as<float>;
   { T::kDelta } -> std::convertible_to<bool>;
 };
@@ -49,7 +54,8 @@ concept FiniteAreaLight = LightModel<T> && requires(const T& light, const Point3
   { light.pdf_hit(from, hit) } -> std::same_as<float>;
 };
 
-/// What a ray into the void sees of a light at infinity, and the density per solid angle with which sample() gives its direction.
+/// What a ray into the void sees of a light at infinity, and the density per solid angle with which sample() gives its
+/// direction.
 struct InfiniteView {
   Spectrum radiance;
   float pdf = 0;
@@ -65,19 +71,36 @@ struct PointLight {
   Point3 position;
   Spectrum intensity;  ///< W·sr⁻¹
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   float power(const Bounds3& scene) const;
 };
 
-/// Intensity · cos(angle to the axis)^exponent within the cone.
+/// Within the cone intensity · cos(angle to the axis)^exponent · a ramp that falls with the angle from 1 at the beam's edge to 0 at
+/// the cone's · the picture, if any, that spans the cone.
 struct SpotLight {
   static constexpr bool kDelta = true;
-  Point3 position;
-  Vec3 axis;  ///< unit, the way it shines
+  Transform frame;  ///< orthonormal, at the light, which shines along −z; the picture is upright with +y as seen from there
   Spectrum intensity;
-  float cos_cutoff = 0, exponent = 0;
+  float cutoff = 0;    ///< radians, half angle
+  float beam = 0;      ///< radians, at most the cutoff
+  float exponent = 0;
+  ColorSource picture = Spectrum(1);
+  const Textures* textures = nullptr;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  float power(const Bounds3& scene) const;
+};
+
+/// A pinhole camera run backwards: gives a plane at distance 1, facing it, the irradiance of its picture.
+struct ProjectorLight {
+  static constexpr bool kDelta = true;
+  Transform frame;  ///< as of a SpotLight
+  float tan_half_x = 1, tan_half_y = 1;  ///< half the picture on that plane
+  float scale = 1;
+  ColorSource picture = Spectrum(1);
+  const Textures* textures = nullptr;
+
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   float power(const Bounds3& scene) const;
 };
 
@@ -86,7 +109,7 @@ struct DirectionalLight {
   Vec3 to_light;        ///< unit
   Spectrum irradiance;  ///< on a surface facing it
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   float power(const Bounds3& scene) const;
 };
 
@@ -96,12 +119,13 @@ struct RectangleLight {
   Rectangle rectangle;
   Spectrum emitted;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
   float power(const Bounds3& scene) const;
 };
 
-/// Triangles of one radiance; a triangle is chosen by area, a point on it by area or, near it, by solid angle (Arvo 1995).
+/// Triangles of one radiance; a triangle is chosen by area, a point on it by area or, near it, by solid angle (Arvo
+/// 1995).
 struct MeshLight {
   static constexpr bool kDelta = false;
   struct Triangle {
@@ -114,7 +138,7 @@ struct MeshLight {
   Spectrum emitted;
 
   MeshLight(std::vector<Triangle> triangles, const Spectrum& emitted);
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
   float power(const Bounds3& scene) const;
 };
@@ -126,17 +150,57 @@ struct SphereLight {
   float radius;
   Spectrum emitted;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
   float power(const Bounds3& scene) const;
 };
 
-/// Constant radiance from every direction with y ≥ 0.
-struct HemisphereLight {
+/// What a shape of the geometry gives off where that is not the same everywhere.
+struct Glow {
+  const Geometry* geometry;
+  const Textures* textures;
+  std::uint32_t shape;
+  ColorSource radiance;
+
+  /// Towards the front, at a hit of the shape.
+  Spectrum at(const RayHit& hit, const SurfaceHit& surface) const;
+};
+
+/// A mesh with a textured radiance. Its triangles are divided into small ones, chosen by their flux; a point on them by area.
+struct TexturedMeshLight {
+  static constexpr bool kDelta = false;
+  Glow glow;
+  int divisions = 1;  ///< of each edge
+  DiscreteDistribution by_flux;
+  std::vector<float> areas;  ///< of the whole triangles
+  float flux = 0;            ///< luminance
+
+  explicit TexturedMeshLight(const Glow& glow);
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  float pdf_hit(const Point3& from, const LightHit& hit) const;
+  float power(const Bounds3& scene) const;
+};
+
+/// Disk, cylinder or sphere, sampled by area: spheres that shine inwards or have a texture.
+struct CurvedLight {
+  static constexpr bool kDelta = false;
+  Glow glow;
+  float area = 0;
+  float mean_luminance = 0;
+
+  explicit CurvedLight(const Glow& glow);
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  float pdf_hit(const Point3& from, const LightHit& hit) const;
+  float power(const Bounds3& scene) const;
+};
+
+/// Constant radiance from every direction, or from those with y ≥ 0.
+struct UniformLight {
   static constexpr bool kDelta = false;
   Spectrum emitted;
+  bool upper_half = false;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   InfiniteView look(const Vec3& wi) const;
   float power(const Bounds3& scene) const;
 };
@@ -149,18 +213,24 @@ struct EnvironmentLight {
   bool importance = true;          ///< false: uniform on the sphere
   float intensity = 1;
   MapOrientation orientation;
+  Frame axes = Frame::from_normal({0, 0, 1});  ///< world directions of the map's x, y and z
+  bool turned = false;                         ///< the axes are not the world's
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   InfiniteView look(const Vec3& wi) const;
   float power(const Bounds3& scene) const;
+
+ private:
+  InfiniteView look_locally(const Vec3& wi) const;
+  Vec3 to_world(const Vec3& local) const { return turned ? axes.to_world(local) : local; }
 };
 
 /// The one list of lights.
-using Light = std::variant<PointLight, SpotLight, DirectionalLight, RectangleLight, MeshLight, SphereLight, HemisphereLight,
-                           EnvironmentLight>;
+using Light = std::variant<PointLight, SpotLight, ProjectorLight, DirectionalLight, RectangleLight, MeshLight, SphereLight,
+                           TexturedMeshLight, CurvedLight, UniformLight, EnvironmentLight>;
 
 /// A way to shine on `from`, with probability density `pdf`. Nothing if the light cannot be seen from there.
-std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u);
+std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u, float choice);
 /// Density with which sample_light gives the direction to a point of a finite light; 0 for lights without surface.
 float light_pdf(const Light& light, const Point3& from, const LightHit& hit);
 /// What is seen of an infinite light along wi; black with density 0 for lights that are not at infinity.

@@ -11,6 +11,7 @@ constexpr bool all_are_models(const std::variant<Models...>*) {
 }
 static_assert(all_are_models(static_cast<const Bsdf*>(nullptr)));
 static_assert(std::variant_size_v<Bsdf> <= 11);
+static_assert(std::is_trivially_copyable_v<Bsdf>);
 
 }  // namespace
 
@@ -37,7 +38,11 @@ std::optional<BsdfSample> sample_bsdf(const Bsdf& bsdf, const Vec3& wo, Vec2 u, 
 }
 
 bool is_delta(const Bsdf& bsdf) {
-  return std::visit([](const auto& b) { return b.kDelta; }, bsdf);
+  return std::visit([](const auto& b) { return b.is_delta(); }, bsdf);
+}
+
+bool transmits(const Bsdf& bsdf) {
+  return std::visit([](const auto& b) { return b.transmits(); }, bsdf);
 }
 
 Spectrum albedo(const Bsdf& bsdf) {

@@ -1,119 +1,147 @@
 #pragma once
 
-#include <concepts>
-#include <optional>
 #include <variant>
 
+#include "materials/bsdf_model.h"
 #include "materials/microfacet.h"
-#include "math/spectrum.h"
-#include "math/vec.h"
+#include "materials/plastic_boundary.h"
+#include "materials/principled.h"
+#include "materials/principled_thin.h"
 
-/// Bidirectional scattering distribution functions. All directions are unit, leave the surface, and are in the shading frame (z = shading
-/// normal, on the front). wo points to where the light goes (known), wi to where it comes from (sampled).
+/// The list of BSDFs. Each works from both sides: those that let nothing through look the same from behind, boundaries
+/// between the outside (z > 0) and an inside do not. An `ior` is the index inside / outside.
 namespace etendue {
 
-/// What is carried along the path: radiance is scaled by the squared ratio of the indices at a refraction, importance is not
-/// (Veach 1997, section 5.2).
-enum class TransportMode { radiance, importance };
-
-struct BsdfEval {
-  Spectrum f_cos;  ///< f(wo, wi) · |cos θi|
-  float pdf = 0;   ///< density with which sample() gives wi, per solid angle; 0 for delta lobes
-};
-
-enum class Lobe { diffuse, glossy, delta_reflection, delta_transmission };
-
-struct BsdfSample {
-  Vec3 wi;
-  Spectrum weight;      ///< f · |cos θi| / pdf; for delta lobes the lobe's factor / its probability
-  float pdf = 0;        ///< per solid angle; 0 for delta lobes
-  Lobe lobe = Lobe::diffuse;
-  float eta = 1;        ///< index of refraction on wi's side / on wo's side; 1 unless transmitted
-
-  bool is_delta() const { return lobe == Lobe::delta_reflection || lobe == Lobe::delta_transmission; }
-};
-
-/// What every BSDF offers. `u` picks the direction, `choice` the lobe; both uniform. No sample is nullopt: the light is absorbed.
-template <typename T>
-concept BsdfModel = requires(const T& bsdf, const Vec3& w, Vec2 u, float choice, TransportMode mode) {
-  { bsdf.eval(w, w, mode) } -> std::same_as<BsdfEval>;
-  { bsdf.sample(w, u, choice, mode) } -> std::same_as<std::optional<BsdfSample>>;
-  { bsdf.albedo() } -> std::same_as<Spectrum>;            ///< rough reflectance, for the albedo picture
-  { T::kDelta } -> std::convertible_to<bool>;             ///< every lobe is a delta lobe: eval() is always 0
-};
-
-/// Lambertian reflection on both sides.
+/// Lambertian reflection.
 struct DiffuseBsdf {
-  static constexpr bool kDelta = false;
   Spectrum reflectance;
 
   BsdfEval eval(const Vec3& wo, const Vec3& wi, TransportMode mode) const;
   std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
   Spectrum albedo() const { return reflectance; }
+  static constexpr bool is_delta() { return false; }
+  static constexpr bool transmits() { return false; }
 };
 
-/// Perfect reflection on both sides.
+/// Mirror: a smooth metal, or perfect.
 struct MirrorBsdf {
-  static constexpr bool kDelta = true;
-  Spectrum reflectance;
-
-  BsdfEval eval(const Vec3&, const Vec3&, TransportMode) const { return {}; }
-  std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
-  Spectrum albedo() const { return reflectance; }
-};
-
-/// Smooth boundary between the outside (z > 0) and a dielectric of relative index `ior`: reflection and refraction.
-struct DielectricBsdf {
-  static constexpr bool kDelta = true;
-  Spectrum reflectance, transmittance;  ///< tints
-  float ior = 1.5f;                     ///< inside / outside
-  bool schlick = false;                 ///< Fresnel by Schlick's approximation
-
-  BsdfEval eval(const Vec3&, const Vec3&, TransportMode) const { return {}; }
-  std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
-  Spectrum albedo() const { return Spectrum(1); }
-};
-
-/// The same boundary letting everything through: no Fresnel reflection; what would be totally reflected is absorbed.
-struct RefractionBsdf {
-  static constexpr bool kDelta = true;
-  Spectrum transmittance;
-  float ior = 1.5f;
-
-  BsdfEval eval(const Vec3&, const Vec3&, TransportMode) const { return {}; }
-  std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
-  Spectrum albedo() const { return transmittance; }
-};
-
-/// Rough metal on both sides: single scattering from microfacets, f = F G D / (4 cos θo cos θi) (Walter et al. 2007, eq. 20).
-struct ConductorBsdf {
-  static constexpr bool kDelta = false;
-  Spectrum eta, k;        ///< complex index of refraction
   Spectrum reflectance;   ///< tint
+  Spectrum eta{0}, k{0};  ///< complex index of refraction; both 0: reflects everything
+
+  BsdfEval eval(const Vec3&, const Vec3&, TransportMode) const { return {}; }
+  std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
+  Spectrum albedo() const;
+  static constexpr bool is_delta() { return true; }
+  static constexpr bool transmits() { return false; }
+
+ private:
+  Spectrum share(float cosine) const;
+};
+
+/// How a smooth boundary divides light between reflection and refraction.
+enum class Boundary {
+  fresnel,        ///< by Fresnel's equations
+  schlick,        ///< by Schlick's approximation
+  transmit_only,  ///< all is refracted; what would be totally reflected is absorbed
+  thin,  ///< two boundaries by Fresnel's equations and all that goes to and fro between them; what gets through goes
+         ///< straight on
+};
+
+/// Smooth dielectric boundary.
+struct DielectricBsdf {
+  Spectrum reflectance, transmittance;  ///< tints
+  float ior = 1.5f;
+  Boundary boundary = Boundary::fresnel;
+
+  BsdfEval eval(const Vec3&, const Vec3&, TransportMode) const { return {}; }
+  std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
+  Spectrum albedo() const { return boundary == Boundary::transmit_only ? transmittance : Spectrum(1); }
+  static constexpr bool is_delta() { return true; }
+  static constexpr bool transmits() { return true; }
+};
+
+/// Rough metal: single scattering from microfacets, f = F G D / (4 cos θo cos θi) (Walter et al. 2007, eq. 20).
+struct ConductorBsdf {
+  Spectrum eta, k;       ///< complex index of refraction
+  Spectrum reflectance;  ///< tint
   MicrofacetDistribution microfacets{MicrofacetKind::beckmann, 0.1f};
 
   BsdfEval eval(const Vec3& wo, const Vec3& wi, TransportMode mode) const;
   std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
   Spectrum albedo() const;
+  static constexpr bool is_delta() { return false; }
+  static constexpr bool transmits() { return false; }
+};
+
+/// Rough dielectric boundary: single scattering from microfacets that reflect and refract (Walter et al. 2007, eqs. 20
+/// and 21).
+struct RoughDielectricBsdf {
+  Spectrum reflectance, transmittance;  ///< tints
+  float ior = 1.5f;                     ///< moved away from 1 where refraction would be too little for float arithmetic
+  MicrofacetDistribution microfacets{MicrofacetKind::beckmann, 0.1f};
+
+  BsdfEval eval(const Vec3& wo, const Vec3& wi, TransportMode mode) const;
+  std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
+  Spectrum albedo() const { return Spectrum(1); }
+  static constexpr bool is_delta() { return false; }
+  static constexpr bool transmits() { return true; }
+};
+
+/// Diffuse base under a dielectric boundary, smooth or rough, with all that goes to and fro between them: what enters
+/// and leaves is f = T(θo) T(θi) d / (π ior² (1 − R d)), R = the boundary's internal reflectance. Mitsuba's plastic and
+/// roughplastic; what is reflected inside again and again is Saunderson's series (1942).
+struct PlasticBsdf {
+  Spectrum diffuse;                 ///< colour of the base, d
+  Spectrum specular;                ///< tint of the boundary's outer reflection
+  const PlasticBoundary* boundary;  ///< lives as long as the scene
+  bool nonlinear = false;           ///< else R instead of R d: the base's colour is kept
+
+  BsdfEval eval(const Vec3& wo, const Vec3& wi, TransportMode mode) const;
+  std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
+  Spectrum albedo() const;
+  static constexpr bool is_delta() { return false; }
+  static constexpr bool transmits() { return false; }
+
+ private:
+  float specular_probability(float transmittance) const;
 };
 
 /// Absorbs everything.
 struct BlackBsdf {
-  static constexpr bool kDelta = true;
-
   BsdfEval eval(const Vec3&, const Vec3&, TransportMode) const { return {}; }
   std::optional<BsdfSample> sample(const Vec3&, Vec2, float, TransportMode) const { return std::nullopt; }
   Spectrum albedo() const { return Spectrum(0); }
+  static constexpr bool is_delta() { return true; }
+  static constexpr bool transmits() { return false; }
 };
 
 /// The one list of BSDFs. At most 11, so that a visit is a switch.
-using Bsdf = std::variant<DiffuseBsdf, MirrorBsdf, DielectricBsdf, RefractionBsdf, ConductorBsdf, BlackBsdf>;
+template <typename... More>
+using BsdfVariant = std::variant<DiffuseBsdf, MirrorBsdf, DielectricBsdf, ConductorBsdf, RoughDielectricBsdf,
+                                 PlasticBsdf, PrincipledBsdf, PrincipledThinBsdf, BlackBsdf, More...>;
+using LeafBsdf = BsdfVariant<>;
+
+/// `second` with probability `weight`, else `first`.
+struct BlendBsdf {
+  LeafBsdf first, second;
+  float weight = 0.5f;
+
+  BsdfEval eval(const Vec3& wo, const Vec3& wi, TransportMode mode) const;
+  std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
+  Spectrum albedo() const;
+  bool is_delta() const;
+  bool transmits() const;
+};
+
+using Bsdf = BsdfVariant<BlendBsdf>;
 
 BsdfEval eval_bsdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode = TransportMode::radiance);
 std::optional<BsdfSample> sample_bsdf(const Bsdf& bsdf, const Vec3& wo, Vec2 u, float choice,
                                       TransportMode mode = TransportMode::radiance);
 /// True if only delta lobes are there: sampling lights is in vain.
 bool is_delta(const Bsdf& bsdf);
+/// True if eval_bsdf may be positive for directions on different sides: lights behind the surface count.
+bool transmits(const Bsdf& bsdf);
 Spectrum albedo(const Bsdf& bsdf);
 
 }  // namespace etendue

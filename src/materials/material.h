@@ -1,29 +1,142 @@
 #pragma once
 
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "geometry/geometry.h"
 #include "materials/bsdf.h"
 #include "materials/texture.h"
+#include "math/frame.h"
 
 namespace etendue {
-
-/// Lambertian with a colour or texture.
-struct DiffuseMaterial {
-  ColorSource reflectance;
-};
 
 /// A material whose BSDF is the same everywhere.
 struct UniformMaterial {
   Bsdf bsdf;
 };
-
-/// What a surface is made of, compiled: yields the BSDF at a point.
-struct Material {
-  std::variant<UniformMaterial, DiffuseMaterial> surface;
-  Spectrum emission;  ///< radiance leaving the front
-
-  bool needs_texture_coordinates() const { return std::holds_alternative<DiffuseMaterial>(surface); }
+struct DiffuseMaterial {
+  ColorSource reflectance;
+};
+struct ConductorMaterial {
+  Spectrum eta, k;
+  ColorSource reflectance;
+  MicrofacetKind kind;
+  FloatSource alpha_u, alpha_v;
+};
+struct SmoothConductorMaterial {
+  Spectrum eta, k;
+  ColorSource reflectance;
+};
+struct ThinGlassMaterial {
+  ColorSource reflectance, transmittance;
+  float ior;
+};
+struct RoughGlassMaterial {
+  ColorSource reflectance, transmittance;
+  float ior;
+  MicrofacetKind kind;
+  FloatSource alpha_u, alpha_v;
+};
+struct PlasticMaterial {
+  ColorSource diffuse, specular;
+  std::shared_ptr<const PlasticBoundary> boundary;
+  bool nonlinear;
+};
+struct PrincipledMaterial {
+  ColorSource base_color;
+  FloatSource roughness, anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat, clearcoat_gloss;
+  PrincipledParameters fixed;  ///< what does not vary
+};
+struct PrincipledThinMaterial {
+  ColorSource base_color;
+  FloatSource roughness, anisotropic, spec_trans, eta, spec_tint, sheen, sheen_tint, flatness, diff_trans;
+  PrincipledThinParameters fixed;
+};
+/// No boundary: light passes straight on.
+struct NullMaterial {};
+struct BlendMaterial {
+  std::uint32_t first, second;
+  FloatSource weight;  ///< of the second
+};
+struct MaskMaterial {
+  std::uint32_t inner;
+  FloatSource opacity;
+};
+struct TwoSidedMaterial {
+  std::uint32_t front, back;
+};
+struct BumpMaterial {
+  std::uint32_t inner;
+  std::uint32_t height;  ///< texture
+  float scale;
+};
+struct NormalMapMaterial {
+  std::uint32_t inner;
+  std::uint32_t normals;  ///< texture
 };
 
-/// The BSDF of `material` at texture coordinates `uv` (looked at only if needs_texture_coordinates).
-Bsdf evaluate_material(const Material& material, Vec2 uv, const Textures& textures);
+/// What a surface is made of, compiled. Those that name others (blend, mask, …) do so by index into Materials.
+struct Material {
+  std::variant<UniformMaterial, DiffuseMaterial, ConductorMaterial, SmoothConductorMaterial, ThinGlassMaterial, RoughGlassMaterial,
+               PlasticMaterial, PrincipledMaterial, PrincipledThinMaterial, NullMaterial, BlendMaterial, MaskMaterial, TwoSidedMaterial, BumpMaterial,
+               NormalMapMaterial>
+      surface;
+  ColorSource emission = Spectrum(0);  ///< radiance leaving the front
+  bool one_sided = false;              ///< black from behind
+  bool needs_texture_point = false;    ///< scatter() looks at the texture coordinates
+  bool needs_tangents = false;         ///< scatter() looks at the tangents
+  bool may_pass = false;               ///< light may go through as if nothing were there (null, mask)
+};
+using Materials = std::vector<Material>;
+
+/// Sets the flags `needs_…` and `may_pass` of all materials from what they and those they name are made of.
+void resolve_needs(Materials& materials);
+
+/// A surface point with all that materials may ask for.
+struct MaterialPoint {
+  SurfaceHit surface;
+  TexturePoint texture;             ///< if the material needs_texture_point
+  Parametrization parametrization;  ///< if it needs_tangents
+};
+
+/// What a surface does with light at one point, seen from `wo`. Directions are unit and in world space.
+class Scattering {
+ public:
+  Scattering() = default;
+
+  /// f(wo, wi) · |cos θi| and the density of sample(). Zero where only an interpolated or mapped normal would let light come from.
+  BsdfEval eval(const Vec3& wi) const;
+  /// Where light may come from; Lobe::straight for light that passes as if nothing were there.
+  std::optional<BsdfSample> sample(Vec2 u, float choice) const;
+
+  bool is_delta() const { return opacity_ == 0 || etendue::is_delta(bsdf_); }
+  bool transmits() const { return etendue::transmits(bsdf_); }
+  Spectrum albedo() const { return etendue::albedo(bsdf_) * opacity_; }
+  const Vec3& normal() const { return frame_.n; }
+  /// Probability that the surface is there at all.
+  float opacity() const { return opacity_; }
+
+ private:
+  friend class MaterialEvaluator;
+
+  bool is_consistent(const Vec3& wi, const Vec3& wi_local) const;
+  float shadowing(const Vec3& wi) const;
+
+  Bsdf bsdf_ = BlackBsdf{};
+  Frame frame_;
+  Vec3 geometric_normal_;
+  Vec3 wo_, wo_local_;
+  float opacity_ = 1;
+  // Bump and normal maps: the normal that they tilted, and α² of the bumps that cast shadows (Estevez, Lecocq and Stellios 2019).
+  bool mapped_ = false;
+  Vec3 unmapped_normal_;
+  float bump_alpha2_ = 0;
+};
+
+/// How `materials[index]` scatters light at a point.
+Scattering scatter(const Materials& materials, std::uint32_t index, const Textures& textures, const MaterialPoint& point, const Vec3& wo);
 
 }  // namespace etendue

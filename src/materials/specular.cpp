@@ -1,51 +1,58 @@
 #include "materials/bsdf.h"
+#include "materials/directions.h"
 #include "materials/fresnel.h"
 
 namespace etendue {
 namespace {
 
-Vec3 reflected(const Vec3& wo) { return {-wo.x, -wo.y, wo.z}; }
-
-/// Snell's law: wo through the boundary, `eta` = index beyond it / index on wo's side. Nothing under total internal reflection.
-std::optional<Vec3> refracted(const Vec3& wo, float eta) {
-  const float sin2_t = (1 - square(wo.z)) / square(eta);
-  if (sin2_t >= 1) return std::nullopt;
-  const float cos_t = safe_sqrt(1 - sin2_t);
-  return Vec3(-wo.x / eta, -wo.y / eta, wo.z > 0 ? -cos_t : cos_t);
+/// Share of the light that `boundary` reflects; arguments as those of fresnel_dielectric.
+float reflected_share(Boundary boundary, float cosine, float eta) {
+  switch (boundary) {
+    case Boundary::transmit_only:
+      return 0;
+    case Boundary::schlick:
+      return fresnel_schlick(cosine, eta);
+    case Boundary::fresnel:
+      return fresnel_dielectric(cosine, eta);
+    case Boundary::thin:
+      break;
+  }
+  // R + T R T + T R³ T + … with T = 1 − R.
+  const float once = fresnel_dielectric(cosine, eta);
+  return 2 * once / (1 + once);
 }
-
-/// Radiance is proportional to the squared index, so what arrives here from beyond the boundary is divided by eta².
-float radiance_scale(float eta, TransportMode mode) { return mode == TransportMode::radiance ? 1 / square(eta) : 1.0f; }
 
 }  // namespace
 
+Spectrum MirrorBsdf::share(float cosine) const {
+  return eta.is_black() && k.is_black() ? reflectance : reflectance * fresnel_conductor(cosine, eta, k);
+}
+
 std::optional<BsdfSample> MirrorBsdf::sample(const Vec3& wo, Vec2, float, TransportMode) const {
   if (wo.z == 0) return std::nullopt;
-  return BsdfSample{reflected(wo), reflectance, 0, Lobe::delta_reflection};
+  return BsdfSample{reflected(wo), share(std::abs(wo.z)), 0, Lobe::delta_reflection};
+}
+
+Spectrum MirrorBsdf::albedo() const {
+  return share(1);
 }
 
 std::optional<BsdfSample> DielectricBsdf::sample(const Vec3& wo, Vec2, float choice, TransportMode mode) const {
   if (wo.z == 0) return std::nullopt;
-  const float eta = wo.z > 0 ? ior : 1 / ior;
-  const float cosine = std::abs(wo.z);
-  const float fresnel = schlick ? fresnel_schlick(cosine, eta) : fresnel_dielectric(cosine, eta);
-  const float reflect = fresnel * reflectance.max(), transmit = (1 - fresnel) * transmittance.max();
+  const bool thin = boundary == Boundary::thin;
+  const float eta =
+      wo.z > 0 || thin ? ior : 1 / ior;  // beyond a thin one's first boundary it is the inside from both sides
+  const float share = reflected_share(boundary, std::abs(wo.z), eta);
+  const float reflect = share * reflectance.max(), transmit = (1 - share) * transmittance.max();
   if (reflect + transmit <= 0) return std::nullopt;
   const float probability = reflect / (reflect + transmit);
   if (choice < probability)
-    return BsdfSample{reflected(wo), reflectance * (fresnel / probability), 0, Lobe::delta_reflection};
+    return BsdfSample{reflected(wo), reflectance * (share / probability), 0, Lobe::delta_reflection};
+  const Spectrum transmitted = transmittance * ((1 - share) / (1 - probability));
+  if (thin) return BsdfSample{-wo, transmitted, 0, Lobe::delta_transmission};
   const std::optional<Vec3> wi = refracted(wo, eta);
   if (!wi) return std::nullopt;
-  const float factor = (1 - fresnel) / (1 - probability) * radiance_scale(eta, mode);
-  return BsdfSample{*wi, transmittance * factor, 0, Lobe::delta_transmission, eta};
-}
-
-std::optional<BsdfSample> RefractionBsdf::sample(const Vec3& wo, Vec2, float, TransportMode mode) const {
-  if (wo.z == 0) return std::nullopt;
-  const float eta = wo.z > 0 ? ior : 1 / ior;
-  const std::optional<Vec3> wi = refracted(wo, eta);
-  if (!wi) return std::nullopt;
-  return BsdfSample{*wi, transmittance * radiance_scale(eta, mode), 0, Lobe::delta_transmission, eta};
+  return BsdfSample{*wi, transmitted * radiance_scale(eta, mode), 0, Lobe::delta_transmission, eta};
 }
 
 }  // namespace etendue

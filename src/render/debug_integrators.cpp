@@ -1,6 +1,8 @@
 #include "render/debug_integrators.h"
 
 #include "math/frame.h"
+#include "render/dimensions.h"
+#include "render/vertex.h"
 #include "sampling/warp.h"
 
 namespace etendue {
@@ -16,19 +18,16 @@ std::uint64_t DebugIntegrator::estimate(int x, int y, std::uint32_t first, std::
   Ray rays[Geometry::kBatch];
   RayHit hits[Geometry::kBatch];
   const auto count = samples.size();
-  camera_rays_.generate(sampler, x, y, first, std::span(rays, count));
+  camera_rays_.generate(sampler, x, y, first, std::span(rays, count), samples);
   scene_.geometry.intersect_coherent(std::span(rays, count), std::span(hits, count));
   float u[Geometry::kBatch], v[Geometry::kBatch];
   sampler.points(dimension::at(0, dimension::kDirection), first, static_cast<int>(count), u, v);
   std::uint64_t traced = count;
   for (std::size_t i = 0; i < count; ++i) {
-    samples[i] = {};
     if (!hits[i].found()) continue;
-    const SurfaceHit surface = scene_.geometry.surface(rays[i], hits[i]);
-    const Material& material = scene_.materials[scene_.shapes[hits[i].shape].material];
-    const Vec2 uv = material.needs_texture_coordinates() ? scene_.geometry.texture_coordinates(hits[i], surface) : Vec2(0);
-    camera_rays_.describe(rays[i], hits[i], surface, samples[i]);
-    samples[i].albedo = albedo(evaluate_material(material, uv, scene_.textures));
+    const Vertex vertex = find_vertex(scene_, rays[i], hits[i]);
+    camera_rays_.describe(rays[i], hits[i], vertex.surface, samples[i]);
+    samples[i].albedo = vertex.scattering.albedo();
     const Vec3 n = samples[i].normal;
     if (settings_.integrator == IntegratorKind::albedo) {
       samples[i].radiance = samples[i].albedo;
@@ -36,7 +35,7 @@ std::uint64_t DebugIntegrator::estimate(int x, int y, std::uint32_t first, std::
       samples[i].radiance = Spectrum(n.x + 1, n.y + 1, n.z + 1) * 0.5f;
     } else {
       const Vec3 direction = Frame::from_normal(n).to_world(sample_hemisphere_cosine({u[i], v[i]}));
-      Ray ray{offset_origin(surface, direction), direction};
+      Ray ray{offset_origin(vertex.surface, direction), direction};
       ray.t_max = kOcclusionReach * scene_.geometry.bounds().diagonal();
       ++traced;
       samples[i].radiance = Spectrum(scene_.geometry.occluded(std::span(&ray, 1)) == 0 ? 1.0f : 0.0f);

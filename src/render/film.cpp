@@ -8,12 +8,13 @@ namespace etendue {
 
 void PixelSums::add(const PixelSample& s) {
   const auto square_of = [](double x) { return x * x; };
+  const Spectrum value = s.radiance * s.weight;
   for (int c = 0; c < 3; ++c) {
-    sum[c] += s.radiance[c];
-    sum_of_squares[c] += square_of(s.radiance[c]);
+    sum[c] += value[c];
+    sum_of_squares[c] += square_of(value[c]);
     albedo[c] += s.albedo[c];
   }
-  luminance_squares += square_of(s.radiance.luminance());
+  luminance_squares += square_of(value.luminance());
   normal[0] += s.normal.x;
   normal[1] += s.normal.y;
   normal[2] += s.normal.z;

@@ -15,6 +15,7 @@ struct PixelSample {
   Spectrum albedo;       ///< of the first surface
   Vec3 normal{0, 0, 0};  ///< of the first surface, shading, facing the camera; zero without one
   float depth = 0;       ///< along the camera's axis; 0 without surface
+  float weight = 1;      ///< of the radiance in the pixel's mean: below 0 in a reconstruction filter's negative lobes
 };
 
 /// Sums and counts of a pixel's samples, added in the order of the samples: averages are formed only when the picture is asked for, so

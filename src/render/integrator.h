@@ -3,10 +3,7 @@
 #include <memory>
 #include <span>
 
-#include "camera/camera.h"
-#include "render/film.h"
-#include "render/scene_data.h"
-#include "render/settings.h"
+#include "render/camera_rays.h"
 
 namespace etendue {
 
@@ -23,29 +20,5 @@ class Integrator {
 /// The integrator that `settings` ask for. The scene must outlive it.
 std::unique_ptr<Integrator> make_integrator(const RenderScene::Data& scene, const Camera& camera,
                                             const RenderSettings& settings);
-
-/// Camera rays of samples first, first + 1, … of a pixel.
-class CameraRays {
- public:
-  CameraRays(const Camera& camera, const RenderSettings& settings)
-      : camera_(camera), width_(settings.width), height_(settings.height) {}
-  void generate(const PixelSampler& sampler, int x, int y, std::uint32_t first, std::span<Ray> rays) const;
-  /// What the film remembers of the first surface.
-  void describe(const Ray& ray, const RayHit& hit, const SurfaceHit& surface, PixelSample& sample) const;
-
- private:
-  Camera camera_;
-  int width_, height_;
-};
-
-/// The random numbers' dimensions: two for the camera, then a block for each bounce.
-namespace dimension {
-inline constexpr std::uint32_t kFilm = 0, kLens = 1;
-inline constexpr std::uint32_t kBounceStride = 1u << 16;
-inline constexpr std::uint32_t kDirection = 2, kLobeAndRoulette = 3, kLightChoice = 4, kLights = 5;
-inline constexpr std::uint32_t at(int bounce, std::uint32_t slot) {
-  return static_cast<std::uint32_t>(bounce) * kBounceStride + slot;
-}
-}  // namespace dimension
 
 }  // namespace etendue

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/direct_light.h"
 #include "render/integrator.h"
 
 namespace etendue {
@@ -19,15 +20,8 @@ class PathIntegrator : public Integrator {
 
  private:
   struct Path;
-  struct Vertex;
   class Batch;
 
-  /// Shadow rays to one light: how many a vertex sends and how probable it is that it sends any.
-  struct LightPlan {
-    int samples = 1;
-    float choice = 1;
-    float density() const { return static_cast<float>(samples) * choice; }
-  };
   LightPlan plan(std::uint32_t light) const;
 
   const RenderScene::Data& scene_;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "sampling/sampler.h"
+#include "scene/scene.h"
 
 namespace etendue {
 
@@ -37,8 +38,11 @@ struct RenderSettings {
   int samples_per_pixel = 64;            ///< the most a pixel gets
   int light_samples = 0;                 ///< per light and vertex (point-like lights: 1); 0: one sample of one chosen light
   int max_depth = kUnlimitedDepth;       ///< bounces: 0 emitted light only, 1 direct light, …
+  bool null_counts_as_bounce = false;    ///< whether light that passes a mask or null boundary has bounced
+  bool hide_emitters = false;            ///< camera rays do not see lights
   IntegratorKind integrator = IntegratorKind::path;
   SamplerKind sampler = SamplerKind::sobol;
+  scene::ReconstructionFilter filter;    ///< how samples near a pixel count towards it
   std::uint64_t seed = 0;
   std::optional<AdaptiveSampling> adaptive;
   int tile_size = 16;                    ///< pixels along the side of a unit of work; changes no pixel

@@ -1,6 +1,6 @@
 // Damaged and nonsensical scene files: each must give the message that stands beside it, in bounded time and memory.
 //
-// corpus/NAME.dae is read; corpus/NAME.expected says how that ends. Its first line is "error" (reading fails),
+// corpus/NAME.dae or NAME.xml is read; corpus/NAME.expected says how that ends. Its first line is "error" (reading fails),
 // "warning" (it succeeds, with something to say) or "ok" (it succeeds in silence); each further line must occur in the
 // messages.
 
@@ -68,7 +68,7 @@ void expect_outcome(const fs::path& path, std::string_view verdict, const std::v
 std::vector<std::string> corpus_names() {
   std::vector<std::string> names;
   for (const fs::directory_entry& entry : fs::directory_iterator(BAD_INPUT_CORPUS))
-    if (entry.path().extension() == ".dae") names.push_back(entry.path().stem().string());
+    if (entry.path().extension() != ".expected") names.push_back(entry.path().filename().string());
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -77,18 +77,18 @@ TEST(BadInput, CorpusIsWhole) {
   const std::vector<std::string> names = corpus_names();
   EXPECT_GE(names.size(), 40u);
   for (const std::string& name : names)
-    EXPECT_TRUE(fs::exists(fs::path(BAD_INPUT_CORPUS) / (name + ".expected"))) << name;
+    EXPECT_TRUE(fs::exists((fs::path(BAD_INPUT_CORPUS) / name).replace_extension(".expected"))) << name;
 }
 
 class BadInputFile : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(BadInputFile, GivesTheExpectedMessage) {
   const fs::path file = fs::path(BAD_INPUT_CORPUS) / GetParam();
-  std::vector<std::string> expected = lines_of(file.string() + ".expected");
+  std::vector<std::string> expected = lines_of(fs::path(file).replace_extension(".expected"));
   ASSERT_FALSE(expected.empty());
   const std::string verdict = expected.front();
   expected.erase(expected.begin());
-  expect_outcome(file.string() + ".dae", verdict, expected);
+  expect_outcome(file, verdict, expected);
 }
 
 INSTANTIATE_TEST_SUITE_P(Corpus, BadInputFile, ::testing::ValuesIn(corpus_names()), [](const auto& parameter) {

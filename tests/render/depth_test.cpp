@@ -55,7 +55,7 @@ class Depth : public ::testing::Test {
         const Ball ball{instance.to_world.origin, description.spheres[id->index].radius};
         const scene::Surface& surface = description.materials[instance.material.index].surface;
         (std::holds_alternative<scene::GlassMaterial>(surface) ? glass_ : mirror_) = ball;
-      } else if (!description.materials[instance.material.index].emission.is_black()) {
+      } else if (scene::emits(description.materials[instance.material.index])) {
         for (const Point3& p : description.meshes[std::get<scene::Id<scene::Mesh>>(instance.shape).index].positions)
           lamp_.extend(instance.to_world.point(p));
       }

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "formats/collada/document.h"
-#include "formats/collada/report.h"
+#include "formats/report.h"
 #include "formats/collada/scene_reader.h"
 
 namespace etendue::collada {

@@ -1,37 +1,30 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <pugixml.hpp>
 #include <string>
 #include <string_view>
 #include <unordered_map>
-#include <vector>
 
-#include "base/diagnostics.h"
-#include "formats/collada/problem.h"
+#include "formats/xml_file.h"
 
 namespace etendue::collada {
 
-/// A COLLADA file as a tree of elements, parsed in place: names, values and texts of the tree are pointers into the one
-/// buffer that holds the file, which is how a place in the tree becomes a line and a column.
+/// A COLLADA file as a tree of elements that knows its ids.
 class Document {
  public:
   /// Parses `text`, the whole file. Throws Problem if it is not COLLADA, not well-formed, or ends early.
   Document(std::string text, const std::filesystem::path& path, std::uint32_t file);
-  Document(const Document&) = delete;
-  Document& operator=(const Document&) = delete;
 
-  pugi::xml_node root() const { return xml_.document_element(); }
+  pugi::xml_node root() const { return file_.root(); }
   /// Folder that relative file names in the document start from.
   std::filesystem::path folder() const { return path_.parent_path(); }
   /// Whether any element has a <technique profile="CGL">.
   bool uses_cgl_profile() const { return uses_cgl_profile_; }
 
   /// Place of a character of the buffer; unknown for pointers elsewhere.
-  SourceLocation locate(const char* text) const;
+  SourceLocation locate(const char* text) const { return file_.locate(text); }
   /// Place of the element's "<".
-  SourceLocation locate(pugi::xml_node element) const;
+  SourceLocation locate(pugi::xml_node element) const { return file_.locate(element); }
 
   /// The first <kind> whose id is `id` (percent-encoded or not), or the null node. Ids need to be unique among elements
   /// of one kind only, as careless exporters take them.
@@ -42,14 +35,10 @@ class Document {
 
  private:
   void index_elements();
-  void reject_malformed(const pugi::xml_parse_result& result, std::size_t last_tag_end) const;
   std::string hint_about(std::string_view id, std::string_view kind) const;
 
   std::filesystem::path path_;
-  std::uint32_t file_;
-  std::string text_;
-  std::vector<std::size_t> line_starts_;  ///< offsets; kept because parsing in place overwrites line ends
-  pugi::xml_document xml_;
+  XmlFile file_;
   std::unordered_map<std::string, pugi::xml_node> by_id_;  ///< under "kind#id"
   mutable int hints_left_ = 20;                            ///< each takes a look at all ids
   bool uses_cgl_profile_ = false;
@@ -57,8 +46,6 @@ class Document {
 
 /// Undoes percent-encoding (RFC 3986); a "%" that does not start a code stays.
 std::string percent_decoded(std::string_view text);
-/// `text` in quotation marks for a message, cut if it is long.
-std::string in_quotes(std::string_view text);
 /// The element's name if it has one, else its id.
 std::string name_of(pugi::xml_node element);
 /// `element`/extra/technique[@profile="CGL"], or the null node.

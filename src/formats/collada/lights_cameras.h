@@ -4,7 +4,7 @@
 #include <pugixml.hpp>
 
 #include "formats/collada/document.h"
-#include "formats/collada/report.h"
+#include "formats/report.h"
 #include "scene/scene.h"
 
 namespace etendue::collada {

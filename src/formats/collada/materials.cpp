@@ -128,7 +128,7 @@ scene::Material MaterialLibrary::read_cgl(pugi::xml_node model) {
       throw Problem(fmt::format("the roughness alpha={} is not above zero; for a smooth metal use <mirror>", alpha),
                     document_.locate(model.child("alpha")));
     material.surface = scene::ConductorMaterial{color(required_child(document_, model, "eta")),
-                                                color(required_child(document_, model, "k")), alpha,
+                                                color(required_child(document_, model, "k")), alpha, alpha,
                                                 scene::Microfacets::beckmann, tint(model, "reflectance")};
   } else {
     const pugi::xml_node given = model.child("reflectance") ? model.child("reflectance") : model.child("color");
@@ -211,7 +211,7 @@ std::optional<scene::Id<scene::Texture>> MaterialLibrary::texture(const Effect& 
   const auto [place, is_new] = by_image_.try_emplace(image.internal_object());
   if (is_new) {
     place->second = {static_cast<std::uint32_t>(textures_.size())};
-    textures_.push_back({name_of(image), image_file(init_from), document_.locate(init_from)});
+    textures_.push_back({name_of(image), scene::BitmapTexture{image_file(init_from)}, {}, document_.locate(init_from)});
   }
   return place->second;
 }

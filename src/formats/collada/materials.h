@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "formats/collada/document.h"
-#include "formats/collada/report.h"
+#include "formats/report.h"
 #include "scene/scene.h"
 
 namespace etendue::collada {

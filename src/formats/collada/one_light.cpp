@@ -109,10 +109,10 @@ std::vector<Lamp> emissive_meshes(const scene::SceneDescription& scene) {
   std::vector<Lamp> lamps;
   for (const scene::Instance& instance : scene.instances) {
     const auto* id = std::get_if<scene::Id<scene::Mesh>>(&instance.shape);
-    const Spectrum& radiance = scene.materials[instance.material.index].emission;
-    if (id == nullptr || radiance.is_black()) continue;
+    const auto* emission = std::get_if<Spectrum>(&scene.materials[instance.material.index].emission);
+    if (id == nullptr || emission == nullptr || emission->is_black()) continue;
     const scene::Mesh& mesh = scene.meshes[id->index];
-    Lamp lamp{&instance, &mesh, radiance, {}};
+    Lamp lamp{&instance, &mesh, *emission, {}};
     for (const Point3& p : mesh.positions) lamp.bounds.extend(instance.to_world.point(p));
     lamps.push_back(lamp);
   }

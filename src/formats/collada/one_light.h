@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/diagnostics.h"
-#include "formats/collada/report.h"
+#include "formats/report.h"
 #include "scene/scene.h"
 
 namespace etendue::collada {

@@ -5,27 +5,12 @@
 #include <algorithm>
 #include <limits>
 
-#include "formats/collada/polygons.h"
+#include "formats/mesh/polygons.h"
 
 namespace etendue::collada {
 namespace {
 
 constexpr std::uint64_t kNotGiven = std::numeric_limits<std::uint64_t>::max();
-
-/// Zero or not a number; a triangle thinner than 10⁻¹⁰ of its length is below what floats can place.
-bool has_no_area(const Point3& a, const Point3& b, const Point3& c) {
-  using Vec3d = Imath::V3d;
-  const Vec3d ab = Vec3d(b) - Vec3d(a), ac = Vec3d(c) - Vec3d(a), bc = Vec3d(c) - Vec3d(b);
-  const double longest2 = std::max({ab.dot(ab), ac.dot(ac), bc.dot(bc)});
-  const Vec3d area = ab.cross(ac);
-  return !(area.dot(area) > 1e-20 * longest2 * longest2);
-}
-
-/// v / |v|, or zero where that is not a direction.
-Vec3 unit_or_zero(const Vec3& v) {
-  const Vec3 unit = normalize(v);
-  return length_squared(unit) > 0.5f ? unit : Vec3(0);
-}
 
 std::size_t read_offset(const Document& document, pugi::xml_node input, std::size_t limit) {
   const std::uint64_t offset = read_count(document, input, "offset", kNotGiven);

@@ -176,8 +176,13 @@ void SceneReader::place_geometry(pugi::xml_node node, pugi::xml_node element, co
     throw Problem(fmt::format("the scene has more than {} instances", kMostInstances), where);
   for (const Part& part : parts) {
     const bool is_sphere = std::holds_alternative<scene::Id<scene::Sphere>>(part.shape);
-    scene_.instances.push_back({name_of(node), part.shape, bound_material(bindings, part, where),
-                                is_sphere ? sphere_transform(to_world, where) : to_world, where});
+    scene::Instance instance;
+    instance.name = name_of(node);
+    std::visit([&](auto id) { instance.shape = id; }, part.shape);
+    instance.material = bound_material(bindings, part, where);
+    instance.to_world = is_sphere ? sphere_transform(to_world, where) : to_world;
+    instance.where = where;
+    scene_.instances.push_back(std::move(instance));
   }
 }
 

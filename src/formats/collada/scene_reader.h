@@ -1,7 +1,7 @@
 #pragma once
 
 #include "formats/collada/document.h"
-#include "formats/collada/report.h"
+#include "formats/report.h"
 #include "scene/scene.h"
 
 namespace etendue::collada {

@@ -3,7 +3,7 @@
 #include <pugixml.hpp>
 
 #include "formats/collada/document.h"
-#include "formats/collada/report.h"
+#include "formats/report.h"
 #include "math/transform.h"
 
 namespace etendue::collada {

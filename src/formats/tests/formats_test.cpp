@@ -91,7 +91,7 @@ TEST_F(ReadScene, TexturesAreLookedForBesideTheScene) {
   Diagnostics diagnostics;
   const scene::SceneDescription scene = read_scene(path, diagnostics);
   ASSERT_EQ(scene.textures.size(), 1u);
-  EXPECT_EQ(scene.textures[0].file, folder_ / "wood.png");
+  EXPECT_EQ(std::get<scene::BitmapTexture>(scene.textures[0].source).file, folder_ / "wood.png");
 }
 
 TEST(SceneFormats, AreNamedAndRecognisable) {

@@ -1,9 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "formats/collada/polygons.h"
+#include "formats/mesh/polygons.h"
 #include "formats/collada/tests/test_document.h"
-#include "formats/collada/vertices.h"
+#include "formats/mesh/vertices.h"
 
 namespace etendue::collada {
 namespace {

@@ -79,7 +79,7 @@ TEST(SharedScenes, CornellBoxStandsUpright) {
     const scene::Mesh& mesh = scene.meshes[std::get<scene::Id<scene::Mesh>>(instance.shape).index];
     EXPECT_NEAR(instance.to_world.point(mesh.positions[0]).y, 1.49f, 1e-4f);
     EXPECT_LT(instance.to_world.normal(mesh.normals[0]).y, -0.9f) << "the lamp shines down";
-    EXPECT_EQ(scene.materials[instance.material.index].emission, Spectrum(10));
+    EXPECT_EQ(scene.materials[instance.material.index].emission, scene::ColorInput(Spectrum(10)));
   }
 }
 

@@ -1,0 +1,223 @@
+#include <cmath>
+
+#include "lights/light.h"
+#include "sampling/warp.h"
+
+namespace etendue {
+namespace {
+
+/// As many small triangles as a light has at most, and as many parts as an edge is divided into at most.
+constexpr std::size_t kMostParts = 1 << 16;
+constexpr int kMostDivisions = 128;
+/// What a small triangle without light in its middle counts for, in mean ones: its border may shine.
+constexpr double kLeastShare = 0.05;
+
+/// A part of a triangle that is divided `n` by `n`: the cell (i, j), its half before or behind the diagonal. Cells lie row by row.
+struct Part {
+  int i, j;
+  bool upper;
+
+  static Part at(int index, int n) {
+    int i = 0;
+    while (index >= 2 * (n - i) - 1) index -= 2 * (n - i++) - 1;
+    return {i, index / 2, index % 2 == 1};
+  }
+  static Part holding(float b1, float b2, int n) {
+    const float x = std::clamp(b1, 0.0f, 1.0f) * static_cast<float>(n), y = std::clamp(b2, 0.0f, 1.0f) * static_cast<float>(n);
+    const int i = std::min(static_cast<int>(x), n - 1), j = std::min(static_cast<int>(y), n - 1 - i);
+    const bool upper = x - static_cast<float>(i) + (y - static_cast<float>(j)) > 1 && i + j < n - 1;
+    return {i, j, upper};
+  }
+  int index(int n) const { return i * (2 * n - i) + 2 * j + (upper ? 1 : 0); }
+  /// The whole triangle's barycentric weights of a point given by the part's.
+  Vec2 whole(Vec2 b, int n) const {
+    const Vec2 in_cell = upper ? Vec2(1 - b.x, 1 - b.y) : b;
+    return Vec2(static_cast<float>(i) + in_cell.x, static_cast<float>(j) + in_cell.y) * (1 / static_cast<float>(n));
+  }
+};
+
+/// A point of a mesh by its triangle and barycentric weights.
+struct MeshPoint {
+  RayHit hit;
+  SurfaceHit surface;
+};
+
+MeshPoint mesh_point(const Glow& glow, std::uint32_t triangle, Vec2 b) {
+  const TriangleMesh& mesh = glow.geometry->mesh(glow.shape);
+  const auto& [i0, i1, i2] = mesh.triangles[triangle];
+  const Point3 &p0 = mesh.positions[i0], &p1 = mesh.positions[i1], &p2 = mesh.positions[i2];
+  MeshPoint out;
+  out.hit = {0, b.x, b.y, glow.shape, triangle, kNone};
+  out.surface.position = p0 * (1 - b.x - b.y) + p1 * b.x + p2 * b.y;
+  out.surface.geometric_normal = out.surface.shading_normal = normalize(cross(p1 - p0, p2 - p0));
+  out.surface.error = kRelativeError * std::max({max_abs_component(p0), max_abs_component(p1), max_abs_component(p2)});
+  return out;
+}
+
+/// The way from `from` to a point of a surface that was chosen with this density by area.
+std::optional<LightSample> seen_from(const Point3& from, const SurfaceHit& surface, float pdf_area) {
+  const Vec3 d = surface.position - from;
+  const float d2 = length_squared(d), distance = std::sqrt(d2);
+  const Vec3 wi = d * (1 / distance);
+  const float cosine = -dot(wi, surface.geometric_normal);
+  const float pdf = pdf_area * d2 / cosine;
+  if (!(cosine > 0) || !std::isfinite(pdf) || !(pdf > 0)) return std::nullopt;
+  return LightSample{wi, distance, {}, pdf, false, surface.geometric_normal, surface.error};
+}
+
+float to_solid_angle(const Point3& from, const LightHit& hit, float pdf_area) {
+  const Vec3 d = hit.position - from;
+  const float d2 = length_squared(d), cosine = -dot(d, hit.normal) / std::sqrt(d2);
+  return cosine > 0 ? pdf_area * d2 / cosine : 0.0f;
+}
+
+}  // namespace
+
+Spectrum Glow::at(const RayHit& hit, const SurfaceHit& surface) const {
+  if (const Spectrum* constant = std::get_if<Spectrum>(&radiance)) return *constant;
+  return evaluate_color(radiance, *textures, {geometry->texture_coordinates(hit, surface), surface.position, geometry, hit});
+}
+
+TexturedMeshLight::TexturedMeshLight(const Glow& glow_in) : glow(glow_in) {
+  const TriangleMesh& mesh = glow.geometry->mesh(glow.shape);
+  const std::size_t count = mesh.triangles.size();
+  divisions = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(kMostParts) / static_cast<double>(count))), 1, kMostDivisions);
+  const int parts = divisions * divisions;
+  std::vector<double> weights;
+  weights.reserve(count * parts);
+  double total = 0, area = 0;
+  for (std::uint32_t t = 0; t < count; ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    areas.push_back(0.5f * length(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a])));
+    for (int p = 0; p < parts; ++p) {
+      const Part part = Part::at(p, divisions);
+      double luminance = 0;
+      for (const Vec2& inner : {Vec2(1 / 6.0f, 1 / 6.0f), Vec2(2 / 3.0f, 1 / 6.0f), Vec2(1 / 6.0f, 2 / 3.0f)}) {
+        const MeshPoint point = mesh_point(glow, t, part.whole(inner, divisions));
+        luminance += glow.at(point.hit, point.surface).luminance() / 3;
+      }
+      weights.push_back(luminance * areas.back() / parts);
+      total += weights.back();
+    }
+    area += areas.back();
+  }
+  flux = static_cast<float>(total);
+  const double least = kLeastShare * (total > 0 ? total / area : 1.0);
+  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] += least * areas[i / parts] / parts;
+  by_flux = DiscreteDistribution(weights);
+}
+
+std::optional<LightSample> TexturedMeshLight::sample(const Point3& from, Vec2 u, float choice) const {
+  const int parts = divisions * divisions;
+  const DiscreteDistribution::Sample chosen = by_flux.sample(choice);
+  const auto triangle = static_cast<std::uint32_t>(chosen.index / parts);
+  const Part part = Part::at(static_cast<int>(chosen.index % parts), divisions);
+  const MeshPoint point = mesh_point(glow, triangle, part.whole(sample_triangle_uniform(u), divisions));
+  std::optional<LightSample> sample =
+      seen_from(from, point.surface, chosen.probability * static_cast<float>(parts) / areas[triangle]);
+  if (sample) sample->radiance = glow.at(point.hit, point.surface);
+  return sample;
+}
+
+float TexturedMeshLight::pdf_hit(const Point3& from, const LightHit& hit) const {
+  const int parts = divisions * divisions;
+  const int part = Part::holding(hit.u, hit.v, divisions).index(divisions);
+  const float probability = by_flux.probability(static_cast<std::size_t>(hit.primitive) * parts + part);
+  return to_solid_angle(from, hit, probability * static_cast<float>(parts) / areas[hit.primitive]);
+}
+
+float TexturedMeshLight::power(const Bounds3&) const { return kPi * flux; }
+
+namespace {
+
+/// A point of a disk, cylinder or sphere.
+struct CurvedPoint {
+  RayHit hit;
+  SurfaceHit surface;
+  float pdf_area = 0;
+};
+
+CurvedPoint at_parameters(const Glow& glow, const ShapePoint& p, float a, float b, float pdf_parameters) {
+  CurvedPoint out;
+  out.hit = {0, a, b, glow.shape, 0, kNone};
+  out.surface = {p.position, p.normal, p.normal, 0};
+  out.pdf_area = pdf_parameters / length(cross(p.dp_da, p.dp_db));
+  return out;
+}
+
+CurvedPoint sample_curved(const Glow& glow, Vec2 u) {
+  const Geometry& geometry = *glow.geometry;
+  CurvedPoint out;
+  float extent = 0;
+  switch (geometry.kind(glow.shape)) {
+    case Geometry::Kind::disk: {
+      const DiskShape& disk = geometry.disk(glow.shape);
+      const Vec2 p = sample_disk_concentric(u);
+      out = at_parameters(glow, point_at(disk, p.x, p.y), p.x, p.y, disk_pdf());
+      extent = max_abs_component(disk.to_world.origin);
+      break;
+    }
+    case Geometry::Kind::cylinder: {
+      const CylinderShape& cylinder = geometry.cylinder(glow.shape);
+      out = at_parameters(glow, point_at(cylinder, u.x, u.y), u.x, u.y, 1);
+      extent = max_abs_component(cylinder.to_world.origin);
+      break;
+    }
+    default: {
+      const SphereShape& sphere = geometry.sphere(glow.shape);
+      const Vec3 w = sample_sphere_uniform(u);
+      const Vec3 n = sphere.flip_normals ? -w : w;
+      out.hit = {0, 0, 0, glow.shape, 0, kNone};
+      out.surface = {sphere.center + w * sphere.radius, n, n, 0};
+      out.pdf_area = sphere_uniform_pdf() / square(sphere.radius);
+      extent = max_abs_component(sphere.center) + sphere.radius;
+    }
+  }
+  out.surface.error = kRelativeError * std::max(extent, max_abs_component(out.surface.position));
+  return out;
+}
+
+}  // namespace
+
+CurvedLight::CurvedLight(const Glow& glow_in) : glow(glow_in) {
+  constexpr int kGrid = 16;
+  double sum = 0, area_sum = 0;
+  for (int i = 0; i < kGrid; ++i)
+    for (int j = 0; j < kGrid; ++j) {
+      const CurvedPoint p = sample_curved(glow, {(static_cast<float>(i) + 0.5f) / kGrid, (static_cast<float>(j) + 0.5f) / kGrid});
+      area_sum += 1 / p.pdf_area;
+      sum += glow.at(p.hit, p.surface).luminance() / p.pdf_area;
+    }
+  area = static_cast<float>(area_sum / (kGrid * kGrid));
+  mean_luminance = static_cast<float>(sum / area_sum);
+}
+
+std::optional<LightSample> CurvedLight::sample(const Point3& from, Vec2 u, float) const {
+  const CurvedPoint point = sample_curved(glow, u);
+  std::optional<LightSample> sample = seen_from(from, point.surface, point.pdf_area);
+  if (sample) sample->radiance = glow.at(point.hit, point.surface);
+  return sample;
+}
+
+float CurvedLight::pdf_hit(const Point3& from, const LightHit& hit) const {
+  const Geometry& geometry = *glow.geometry;
+  float pdf_area = 0;
+  switch (geometry.kind(glow.shape)) {
+    case Geometry::Kind::disk: {
+      const ShapePoint p = point_at(geometry.disk(glow.shape), hit.u, hit.v);
+      pdf_area = disk_pdf() / length(cross(p.dp_da, p.dp_db));
+      break;
+    }
+    case Geometry::Kind::cylinder: {
+      const ShapePoint p = point_at(geometry.cylinder(glow.shape), hit.u, hit.v);
+      pdf_area = 1 / length(cross(p.dp_da, p.dp_db));
+      break;
+    }
+    default: pdf_area = sphere_uniform_pdf() / square(geometry.sphere(glow.shape).radius);
+  }
+  return to_solid_angle(from, hit, pdf_area);
+}
+
+float CurvedLight::power(const Bounds3&) const { return kPi * area * mean_luminance; }
+
+}  // namespace etendue

@@ -1,0 +1,51 @@
+#include "render/vertex.h"
+
+namespace etendue {
+namespace {
+
+MaterialPoint material_point(const RenderScene::Data& scene, const Material& material, const Ray& ray, const RayHit& hit) {
+  MaterialPoint point;
+  point.surface = scene.geometry.surface(ray, hit);
+  if (material.needs_tangents) {
+    point.parametrization = scene.geometry.parametrization(hit, point.surface);
+    point.texture = {point.parametrization.uv, point.surface.position, &scene.geometry, hit};
+  } else if (material.needs_texture_point) {
+    point.texture = {scene.geometry.texture_coordinates(hit, point.surface), point.surface.position, &scene.geometry, hit};
+  }
+  return point;
+}
+
+}  // namespace
+
+Vertex find_vertex(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {
+  const RenderScene::Data::ShapeInfo& shape = scene.shapes[hit.shape];
+  const Material& material = scene.materials[shape.material];
+  const MaterialPoint point = material_point(scene, material, ray, hit);
+  Vertex vertex;
+  vertex.surface = point.surface;
+  vertex.wo = -ray.direction;
+  vertex.scattering = scatter(scene.materials, shape.material, scene.textures, point, vertex.wo);
+  if (shape.light != kNone && dot(vertex.wo, point.surface.geometric_normal) > 0) {
+    vertex.emission = evaluate_color(material.emission, scene.textures, point.texture);
+    vertex.light = shape.light;
+    vertex.light_hit = {point.surface.position, point.surface.geometric_normal, hit.primitive, hit.u, hit.v};
+  }
+  return vertex;
+}
+
+float pass_through(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {
+  const std::uint32_t index = scene.shapes[hit.shape].material;
+  const Material& material = scene.materials[index];
+  if (!material.may_pass) return 0;
+  const MaterialPoint point = material_point(scene, material, ray, hit);
+  return 1 - scatter(scene.materials, index, scene.textures, point, -ray.direction).opacity();
+}
+
+Ray straight_on(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {
+  const SurfaceHit surface = scene.geometry.surface(ray, hit);
+  Ray rest{offset_origin(surface, ray.direction), ray.direction};
+  rest.t_max = ray.t_max - hit.t;
+  return rest;
+}
+
+}  // namespace etendue
