@@ -86,6 +86,9 @@ SceneSummary summarize(const scene::SceneDescription& scene, const RenderScene& 
   }
   for (const scene::Light& light : scene.lights)
     ++s.lights[std::visit([](const auto& source) { return kind(source); }, light.source)];
+  for (const scene::Instance& instance : scene.instances)
+    if (emits(scene, instance))
+      ++s.lights[std::holds_alternative<scene::Id<scene::Mesh>>(instance.shape) ? "mesh" : "sphere"];
   s.triangles_placed = compiled.triangle_count();
   s.spheres_placed = compiled.sphere_count();
   s.bounds = compiled.bounds();
@@ -112,9 +115,12 @@ std::string as_table(const SceneSummary& s) {
   row("format", s.format + (s.uses_cgl_profile ? ", CGL profile" : ""));
   row("meshes", fmt::format("{}", s.meshes));
   row("spheres", fmt::format("{}", s.spheres));
-  row("instances", fmt::format("{} ({} triangles, {} spheres)", s.instances, s.triangles_placed, s.spheres_placed));
-  row("materials", describe(s.materials) +
-                       (s.emissive_materials > 0 ? fmt::format("; {} of them emit light", s.emissive_materials) : ""));
+  row("instances", fmt::format("{} ({}, {})", s.instances, counted(s.triangles_placed, "triangle"),
+                               counted(s.spheres_placed, "sphere")));
+  row("materials",
+      describe(s.materials) + (s.emissive_materials > 0 ? fmt::format("; {} of them emit{} light", s.emissive_materials,
+                                                                      s.emissive_materials == 1 ? "s" : "")
+                                                        : ""));
   row("textures", fmt::format("{}", s.textures));
   row("lights", describe(s.lights));
   row("cameras", fmt::format("{}; --camera-placement auto: {}", s.cameras, s.placement));

@@ -35,15 +35,17 @@ void add_output_flags(CLI::App& app, RenderFlags& f) {
                 "Brightens 8-bit pictures by this many stops (default 0)")
       ->group("Output");
   app.add_flag("--preview", o.preview, "Show the picture in the terminal while it renders")->group("Output");
-  flags::file(app, "--stats", o.stats, "Write times, rays and memory as JSON")->group("Output");
+  flags::file(app, "--stats", o.stats, "Write times, rays and memory as JSON (-: to standard output)")->group("Output");
 }
 
 void add_picture_flags(CLI::App& app, RenderFlags& f) {
   RenderSettings& s = f.options.settings;
-  flags::add(app, "-r,--resolution", {"W", "H"}, "Width and height in pixels (default 800 600)", [&s](auto words) {
-    s.width = flags::parse_number("--resolution", words[0], Range{1, kLargestSide});
-    s.height = flags::parse_number("--resolution", words[1], Range{1, kLargestSide});
-  })->group("Picture");
+  flags::add(app, "-r,--resolution", {"W", "H"}, "Width and height in pixels, also as WxH (default 800 600)",
+             [&s](auto words) {
+               s.width = flags::parse_number("--resolution", words[0], Range{1, kLargestSide});
+               s.height = flags::parse_number("--resolution", words[1], Range{1, kLargestSide});
+             })
+      ->group("Picture");
   flags::add(app, "-p,--crop", {"X", "Y", "W", "H"}, "Render only this part; X Y is its upper left pixel",
              [&s](auto words) {
                const auto at = [&](int i, int least) {
@@ -85,14 +87,14 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
                                               : flags::parse_number("--max-depth", words[0], Range{0, kUnlimitedDepth});
       })
       ->group("Sampling");
-  flags::add(app, "-a,--adaptive", {"N", "TOL"},
-             "Every N samples, stop pixels whose 95 % interval is within TOL of their mean (0: off, the default); "
-             "also writes NAME_rate.png",
-             [&f](auto words) {
-               f.adaptive =
-                   AdaptiveSampling{flags::parse_number("--adaptive", words[0], Range{1, kMostSamplesPerPixel}),
-                                    flags::parse_number("--adaptive", words[1], Range{0.0f, kHuge})};
-             })
+  flags::add(
+      app, "-a,--adaptive", {"N", "TOL"},
+      "Every N samples, stop pixels whose 95 % interval is within TOL of their mean (0.05 or 5%; 0: off, the default); "
+      "also writes NAME_rate.png",
+      [&f](auto words) {
+        f.adaptive = AdaptiveSampling{flags::parse_number("--adaptive", words[0], Range{1, kMostSamplesPerPixel}),
+                                      flags::parse_share("--adaptive", words[1], Range{0.0f, kHuge})};
+      })
       ->group("Sampling");
   flags::choice<SamplerKind>(app, "--sampler", s.sampler,
                              {{"sobol", SamplerKind::sobol}, {"independent", SamplerKind::independent}},
@@ -101,11 +103,13 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
   flags::number(app, "--seed", s.seed, Range<std::uint64_t>{0, std::numeric_limits<std::uint64_t>::max()}, "N",
                 "Another seed is another noise (default 0)")
       ->group("Sampling");
-  flags::add(app, "--time-limit", {"TIME"}, "Stop rendering after 30s, 2m, 1h …", [&o](auto words) {
+  flags::add(app, "--time-limit", {"TIME"}, "Stop rendering after 90s, 2m, 1h30m …", [&o](auto words) {
     o.time_limit_seconds = flags::parse_duration("--time-limit", words[0]);
   })->group("Sampling");
-  flags::number(app, "--noise", o.noise_target, Range{1e-6, 1.0}, "X",
-                "Stop when the estimated relative error is X, such as 0.02")
+  flags::add(app, "--noise", {"X"}, "Stop when the estimated relative error is X, such as 0.02 or 2%",
+             [&o](auto words) {
+               o.noise_target = flags::parse_share("--noise", words[0], Range{1e-6, 1.0});
+             })
       ->group("Sampling");
 }
 

@@ -42,14 +42,15 @@ scene::SceneDescription read_description(const RenderOptions& options, Diagnosti
   return description;
 }
 
-PreparedScene prepare_scene(const RenderOptions& options, scene::SceneDescription& description,
+PreparedScene prepare_scene(const RenderOptions& options, const scene::SceneDescription& description,
                             Diagnostics& diagnostics) {
-  if (options.headlight) {  // it stands at the camera, which is placed by the scene's bounds
-    Diagnostics told_below;
-    const Bounds3 bounds = compile(description, options.compile, told_below).bounds();
-    description.lights.push_back(headlight(placed_camera(options, description, bounds, told_below), bounds));
-  }
-  RenderScene scene = compile(description, options.compile, diagnostics);
+  CompileOptions compile_options = options.compile;
+  if (options.headlight)
+    compile_options.light_for = [&](const Bounds3& bounds) {
+      Diagnostics told_below;
+      return headlight(placed_camera(options, description, bounds, told_below), bounds);
+    };
+  RenderScene scene = compile(description, compile_options, diagnostics);
   Camera camera = placed_camera(options, description, scene.bounds(), diagnostics);
   return {std::move(scene), camera};
 }

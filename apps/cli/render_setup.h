@@ -15,8 +15,8 @@ struct PreparedScene {
   Camera camera;  ///< without the lens that was asked for
 };
 
-/// Compiles the description, after adding the headlight if one was asked for.
-PreparedScene prepare_scene(const RenderOptions& options, scene::SceneDescription& description,
+/// Compiles the description, with the headlight if one was asked for.
+PreparedScene prepare_scene(const RenderOptions& options, const scene::SceneDescription& description,
                             Diagnostics& diagnostics);
 
 /// The camera with the aperture and the focus that were asked for. Throws Error(Failure::usage) if there is nothing to

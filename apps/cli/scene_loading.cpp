@@ -26,6 +26,16 @@ bool shines(const scene::EnvironmentLight& light) {
   return light.intensity > 0;
 }
 
+bool light_shines(const scene::Light& light) {
+  return std::visit([](const auto& source) { return shines(source); }, light.source);
+}
+
+bool has_extent(const scene::Light& light) {
+  return !std::holds_alternative<scene::PointLight>(light.source) &&
+         !std::holds_alternative<scene::SpotLight>(light.source) &&
+         !std::holds_alternative<scene::DirectionalLight>(light.source);
+}
+
 }  // namespace
 
 void DiagnosticsPrinter::print() {
@@ -37,14 +47,18 @@ void DiagnosticsPrinter::print() {
   }
 }
 
+bool emits(const scene::SceneDescription& scene, const scene::Instance& instance) {
+  return !scene.materials[instance.material.index].emission.is_black();
+}
+
 bool has_light(const scene::SceneDescription& scene) {
-  const auto light_shines = [](const scene::Light& light) {
-    return std::visit([](const auto& source) { return shines(source); }, light.source);
-  };
-  const auto emits = [&](const scene::Instance& instance) {
-    return !scene.materials[instance.material.index].emission.is_black();
-  };
-  return std::ranges::any_of(scene.lights, light_shines) || std::ranges::any_of(scene.instances, emits);
+  return has_light_with_extent(scene) || std::ranges::any_of(scene.lights, light_shines);
+}
+
+bool has_light_with_extent(const scene::SceneDescription& scene) {
+  return std::ranges::any_of(scene.lights,
+                             [](const auto& light) { return has_extent(light) && light_shines(light); }) ||
+         std::ranges::any_of(scene.instances, [&](const auto& instance) { return emits(scene, instance); });
 }
 
 }  // namespace etendue

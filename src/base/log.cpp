@@ -3,12 +3,16 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <cstdlib>
+
 namespace etendue {
 namespace {
 
 spdlog::logger& logger() {
   static const std::shared_ptr<spdlog::logger> instance = [] {
-    auto made = spdlog::stderr_color_mt("etendue");
+    const char* const no_color = std::getenv("NO_COLOR");  // no-color.org
+    auto made = spdlog::stderr_color_mt(
+        "etendue", no_color && *no_color ? spdlog::color_mode::never : spdlog::color_mode::automatic);
     made->set_pattern("%^%v%$");
     return made;
   }();

@@ -3,16 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
-namespace etendue {
-namespace {
+#include "math/turns.h"
 
-/// sin θ integrated over a row of texels, up to a constant: cos θ_top − cos θ_bottom.
+namespace etendue {
+
 double row_solid_angle(int row, int height) {
   return std::cos(std::numbers::pi * row / height) - std::cos(std::numbers::pi * (row + 1) / height);
 }
 
-/// Writes the cumulative shares of `weights` to `cdf`; uniform if their sum is 0. The last is exactly 1.
-void cumulate(std::span<const double> weights, std::span<float> cdf) {
+namespace {
+
+/// The cumulative shares of `weights`; uniform if their sum is 0. The last is exactly 1.
+std::vector<float> cumulate(std::span<const double> weights) {
+  std::vector<float> cdf(weights.size());
   double total = 0;
   for (const double w : weights) total += w;
   double sum = 0;
@@ -23,41 +26,13 @@ void cumulate(std::span<const double> weights, std::span<float> cdf) {
   cdf.back() = 1;
   // Trailing texels without weight must not inherit what rounding left over.
   for (std::size_t i = weights.size(); total > 0 && i-- > 1 && weights[i] == 0;) cdf[i - 1] = 1;
-}
-
-struct Interval {
-  int index;
-  float remapped;  ///< position of u within it
-  float width;     ///< its probability
-};
-
-void fill_guide(std::span<const float> cdf, std::span<std::uint16_t> guide) {
-  std::uint32_t index = 0;
-  for (std::size_t i = 0; i < guide.size(); ++i) {
-    const float u = static_cast<float>(i) / static_cast<float>(guide.size());
-    while (index + 1 < cdf.size() && cdf[index] <= u) ++index;
-    guide[i] = static_cast<std::uint16_t>(std::min<std::uint32_t>(index, 0xffff));
-  }
-}
-
-Interval find_interval(std::span<const float> cdf, std::span<const std::uint16_t> guide, float u) {
-  std::size_t index = guide[static_cast<std::size_t>(u * static_cast<float>(guide.size()))];
-  while (index > 0 && cdf[index - 1] > u) --index;  // where rounding of u · n overshot
-  while (index + 1 < cdf.size() && cdf[index] <= u) ++index;
-  const float begin = index > 0 ? cdf[index - 1] : 0.0f;
-  const float width = cdf[index] - begin;
-  return {static_cast<int>(index), width > 0 ? std::min((u - begin) / width, kOneMinusEpsilon) : 0.0f, width};
+  return cdf;
 }
 
 }  // namespace
 
 TexelDistribution::TexelDistribution(const Image& map)
-    : width_(map.width()),
-      height_(map.height()),
-      row_cdf_(map.height()),
-      column_cdf_(map.pixels().size()),
-      row_guide_(map.height()),
-      column_guide_(map.pixels().size()) {
+    : width_(map.width()), height_(map.height()), row_cdf_(1, map.height()), column_cdf_(map.height(), map.width()) {
   std::vector<double> texels(width_), rows(height_);
   double total = 0;
   for (const Spectrum& s : map.pixels()) total += s.luminance();
@@ -67,23 +42,36 @@ TexelDistribution::TexelDistribution(const Image& map)
       rows[y] += texels[x];
     }
     rows[y] *= row_solid_angle(y, height_);
-    const std::size_t row = static_cast<std::size_t>(y) * width_;
-    cumulate(texels, std::span(column_cdf_).subspan(row, width_));
-    fill_guide(std::span(column_cdf_).subspan(row, width_), std::span(column_guide_).subspan(row, width_));
+    column_cdf_.set_row(y, cumulate(texels));
   }
-  cumulate(rows, row_cdf_);
-  fill_guide(row_cdf_, row_guide_);
+  row_cdf_.set_row(0, cumulate(rows));
 }
 
 TexelDistribution::Sample TexelDistribution::sample(Vec2 u) const {
-  const Interval row = find_interval(row_cdf_, row_guide_, u.y);
-  const std::size_t begin = static_cast<std::size_t>(row.index) * width_;
-  const Interval column = find_interval(std::span(column_cdf_).subspan(begin, width_),
-                                        std::span(column_guide_).subspan(begin, width_), u.x);
-  const float x = (static_cast<float>(column.index) + column.remapped) / static_cast<float>(width_);
-  const float y = (static_cast<float>(row.index) + row.remapped) / static_cast<float>(height_);
-  return {{std::min(x, kOneMinusEpsilon), std::min(y, kOneMinusEpsilon)},
-          row.width * column.width * static_cast<float>(width_) * static_cast<float>(height_)};
+  Sample found;
+  sample(std::span(&u, 1), std::span(&found, 1));
+  return found;
+}
+
+void TexelDistribution::sample(std::span<const Vec2> u, std::span<Sample> samples) const {
+  const std::size_t n = samples.size();
+  int row_index[kMostAtOnce] = {};
+  float ux[kMostAtOnce], uy[kMostAtOnce];
+  CumulativeRows::Interval rows[kMostAtOnce], columns[kMostAtOnce];
+  for (std::size_t i = 0; i < n; ++i) {
+    ux[i] = u[i].x;
+    uy[i] = u[i].y;
+  }
+  row_cdf_.find(std::span(row_index, n), std::span(uy, n), std::span(rows, n));
+  for (std::size_t i = 0; i < n; ++i) row_index[i] = rows[i].index;
+  column_cdf_.find(std::span(row_index, n), std::span(ux, n), std::span(columns, n));
+  const auto width = static_cast<float>(width_), height = static_cast<float>(height_);
+  for (std::size_t i = 0; i < n; ++i) {
+    const float x = (static_cast<float>(columns[i].index) + columns[i].remapped(ux[i])) / width;
+    const float y = (static_cast<float>(rows[i].index) + rows[i].remapped(uy[i])) / height;
+    samples[i] = {{std::min(x, kOneMinusEpsilon), std::min(y, kOneMinusEpsilon)},
+                  rows[i].width() * columns[i].width() * width * height};
+  }
 }
 
 float TexelDistribution::pdf(Vec2 uv) const {
@@ -134,30 +122,29 @@ MapRepairs repair_map(Image& map) {
 
 Vec2 direction_to_uv(const MapOrientation& orientation, const Vec3& d) {
   // Turning the map counter-clockwise by `rotation` adds to the azimuth at which a texel is seen.
-  const float azimuth = std::atan2(d.x, -d.z) + orientation.rotation;
-  const float turns = azimuth * (0.5f * kInvPi);
+  const float turns = turns_of(d.x, -d.z) + orientation.rotation * (0.5f * kInvPi);
   const float u = orientation.mirrored ? 0.75f - turns : turns;
-  const float v = std::atan2(std::sqrt(square(d.x) + square(d.z)), d.y) * kInvPi;  // acos(y), precise at the poles
+  const float v = 2 * turns_of(std::sqrt(square(d.x) + square(d.z)), d.y);  // acos(y), precise at the poles
   return {std::min(u - std::floor(u), kOneMinusEpsilon), std::min(v, kOneMinusEpsilon)};
 }
 
 Vec3 uv_to_direction(const MapOrientation& orientation, Vec2 uv) {
   const float turns = orientation.mirrored ? 0.75f - uv.x : uv.x;
-  const float azimuth = turns * (2 * kPi) - orientation.rotation;
-  const float theta = uv.y * kPi, sin_theta = std::sin(theta);
-  return {sin_theta * std::sin(azimuth), std::cos(theta), -sin_theta * std::cos(azimuth)};
+  const SinCos azimuth = sin_cos_of_turns(turns - orientation.rotation * (0.5f * kInvPi));
+  const SinCos theta = sin_cos_of_turns(0.5f * uv.y);
+  return {theta.sin * azimuth.sin, theta.cos, -theta.sin * azimuth.cos};
 }
 
 Spectrum lookup_bilinear(const Image& map, Vec2 uv, MapRows rows) {
   const int w = map.width(), h = map.height();
   const float x = uv.x * static_cast<float>(w) - 0.5f;
   const float y = rows == MapRows::centered ? uv.y * static_cast<float>(h) - 0.5f : uv.y * static_cast<float>(h - 1);
-  const float fx = std::floor(x), fy = std::floor(y);
-  const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
-  const int x0 = (ix + w) % w, x1 = (ix + 1) % w;
+  const int ix = static_cast<int>(x + 1) - 1, iy = static_cast<int>(y + 1) - 1;  // both are at least −½
+  const int x0 = ix < 0 ? w - 1 : ix, x1 = ix + 1 == w ? 0 : ix + 1;
   const int y0 = std::max(iy, 0), y1 = std::min(iy + 1, h - 1);
-  const float dx = x - fx, dy = y - fy;
-  return (map.at(x0, y0) * (1 - dx) + map.at(x1, y0) * dx) * (1 - dy) + (map.at(x0, y1) * (1 - dx) + map.at(x1, y1) * dx) * dy;
+  const float dx = x - static_cast<float>(ix), dy = y - static_cast<float>(iy);
+  return (map.at(x0, y0) * (1 - dx) + map.at(x1, y0) * dx) * (1 - dy) +
+         (map.at(x0, y1) * (1 - dx) + map.at(x1, y1) * dx) * dy;
 }
 
 }  // namespace etendue

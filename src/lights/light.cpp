@@ -2,7 +2,7 @@
 
 namespace etendue {
 
-std::optional<LightSample> PointLight::sample(const Point3& from, Vec2) const {
+std::optional<LightSample> PointLight::sample(const Point3& from, Vec2, float) const {
   const Vec3 d = position - from;
   const float d2 = length_squared(d);
   if (!(d2 > 0)) return std::nullopt;
@@ -10,9 +10,11 @@ std::optional<LightSample> PointLight::sample(const Point3& from, Vec2) const {
   return LightSample{d * (1 / distance), distance, intensity / d2, 1, true};
 }
 
-float PointLight::power(const Bounds3&) const { return 4 * kPi * intensity.luminance(); }
+float PointLight::power(const Bounds3&) const {
+  return 4 * kPi * intensity.luminance();
+}
 
-std::optional<LightSample> SpotLight::sample(const Point3& from, Vec2) const {
+std::optional<LightSample> SpotLight::sample(const Point3& from, Vec2, float) const {
   const Vec3 d = position - from;
   const float d2 = length_squared(d);
   if (!(d2 > 0)) return std::nullopt;
@@ -23,7 +25,9 @@ std::optional<LightSample> SpotLight::sample(const Point3& from, Vec2) const {
   return LightSample{wi, distance, intensity * (std::pow(std::max(cosine, 0.0f), exponent) / d2), 1, true};
 }
 
-float SpotLight::power(const Bounds3&) const { return 2 * kPi * (1 - cos_cutoff) * intensity.luminance(); }
+float SpotLight::power(const Bounds3&) const {
+  return 2 * kPi * (1 - cos_cutoff) * intensity.luminance();
+}
 
 namespace {
 
@@ -35,8 +39,24 @@ static_assert(all_are_models(static_cast<const Light*>(nullptr)));
 
 }  // namespace
 
-std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u) {
-  return std::visit([&](const auto& l) { return l.sample(from, u); }, light);
+std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u, float choice) {
+  return std::visit([&](const auto& l) { return l.sample(from, u, choice); }, light);
+}
+
+void sample_light(const Light& light, std::span<const Point3> from, std::span<const Vec2> u,
+                  std::span<const float> choice, std::span<std::optional<LightSample>> samples) {
+  std::visit(
+      [&]<typename T>(const T& l) {
+        if constexpr (std::is_same_v<T, EnvironmentLight>)
+          l.sample(u, samples);
+        else
+          for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = l.sample(from[i], u[i], choice[i]);
+      },
+      light);
+}
+
+bool has_parts(const Light& light) {
+  return std::holds_alternative<MeshLight>(light);
 }
 
 float light_pdf(const Light& light, const Point3& from, const LightHit& hit) {
@@ -59,6 +79,11 @@ InfiniteView look_at_infinity(const Light& light, const Vec3& wi) {
           return InfiniteView{};
       },
       light);
+}
+
+void look_at_infinity(const Light& light, std::span<const Vec3> wi, std::span<InfiniteView> views) {
+  if (const auto* environment = std::get_if<EnvironmentLight>(&light)) return environment->look(wi, views);
+  for (std::size_t i = 0; i < views.size(); ++i) views[i] = look_at_infinity(light, wi[i]);
 }
 
 bool is_infinite(const Light& light) {

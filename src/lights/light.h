@@ -3,6 +3,7 @@
 #include <concepts>
 #include <memory>
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -19,13 +20,14 @@ namespace etendue {
 
 /// A direction from which a light shines on a point.
 struct LightSample {
-  Vec3 wi;               ///< unit, towards the light
-  float distance = 0;    ///< to it; infinite for lights at infinity
-  Spectrum radiance;     ///< arriving along wi if nothing is in between; for delta lights the irradiance on a surface facing wi, × pdf
-  float pdf = 0;         ///< per solid angle at the lit point; 1 for delta lights
-  bool is_delta = false; ///< no BSDF sample can find this light
-  Vec3 normal{0, 0, 0};  ///< of the light's surface, on the side that shines; zero for lights without one
-  float error = 0;       ///< bound of the sampled point's rounding error: how far before the surface a shadow ray must end
+  Vec3 wi;                ///< unit, towards the light
+  float distance = 0;     ///< to it; infinite for lights at infinity
+  Spectrum radiance;      ///< arriving along wi if nothing is in between; for delta lights the irradiance on a surface
+                          ///< facing wi, × pdf
+  float pdf = 0;          ///< per solid angle at the lit point; 1 for delta lights
+  bool is_delta = false;  ///< no BSDF sample can find this light
+  Vec3 normal{0, 0, 0};   ///< of the light's surface, on the side that shines; zero for lights without one
+  float error = 0;  ///< bound of the sampled point's rounding error: how far before the surface a shadow ray must end
 };
 
 /// A point on a light that a ray found: what its density depends on.
@@ -35,11 +37,12 @@ struct LightHit {
   std::uint32_t primitive = 0;  ///< triangle within the mesh
 };
 
-/// What every light offers. `pdf_hit` of those with a surface: density per solid angle, at `from`, of sample() giving the direction to
+/// What every light offers. `u` picks the point or direction, `choice` the part of a light that has several; all
+/// uniform. `pdf_hit` of those with a surface: density per solid angle, at `from`, of sample() giving the direction to
 /// `hit`. `power`: emitted flux in W, roughly, for choosing among lights.
 template <typename T>
-concept LightModel = requires(const T& light, const Point3& from, Vec2 u, const Bounds3& scene) {
-  { light.sample(from, u) } -> std::same_as<std::optional<LightSample>>;
+concept LightModel = requires(const T& light, const Point3& from, Vec2 u, float choice, const Bounds3& scene) {
+  { light.sample(from, u, choice) } -> std::same_as<std::optional<LightSample>>;
   { light.power(scene) } -> std::same_as<float>;
   { T::kDelta } -> std::convertible_to<bool>;
 };
@@ -49,7 +52,8 @@ concept FiniteAreaLight = LightModel<T> && requires(const T& light, const Point3
   { light.pdf_hit(from, hit) } -> std::same_as<float>;
 };
 
-/// What a ray into the void sees of a light at infinity, and the density per solid angle with which sample() gives its direction.
+/// What a ray into the void sees of a light at infinity, and the density per solid angle with which sample() gives its
+/// direction.
 struct InfiniteView {
   Spectrum radiance;
   float pdf = 0;
@@ -65,7 +69,7 @@ struct PointLight {
   Point3 position;
   Spectrum intensity;  ///< W·sr⁻¹
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   float power(const Bounds3& scene) const;
 };
 
@@ -77,7 +81,7 @@ struct SpotLight {
   Spectrum intensity;
   float cos_cutoff = 0, exponent = 0;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   float power(const Bounds3& scene) const;
 };
 
@@ -86,7 +90,7 @@ struct DirectionalLight {
   Vec3 to_light;        ///< unit
   Spectrum irradiance;  ///< on a surface facing it
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   float power(const Bounds3& scene) const;
 };
 
@@ -96,12 +100,13 @@ struct RectangleLight {
   Rectangle rectangle;
   Spectrum emitted;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
   float power(const Bounds3& scene) const;
 };
 
-/// Triangles of one radiance; a triangle is chosen by area, a point on it by area or, near it, by solid angle (Arvo 1995).
+/// Triangles of one radiance; a triangle is chosen by area, a point on it by area or, near it, by solid angle (Arvo
+/// 1995).
 struct MeshLight {
   static constexpr bool kDelta = false;
   struct Triangle {
@@ -114,7 +119,7 @@ struct MeshLight {
   Spectrum emitted;
 
   MeshLight(std::vector<Triangle> triangles, const Spectrum& emitted);
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
   float power(const Bounds3& scene) const;
 };
@@ -126,7 +131,7 @@ struct SphereLight {
   float radius;
   Spectrum emitted;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
   float power(const Bounds3& scene) const;
 };
@@ -136,7 +141,7 @@ struct HemisphereLight {
   static constexpr bool kDelta = false;
   Spectrum emitted;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
   InfiniteView look(const Vec3& wi) const;
   float power(const Bounds3& scene) const;
 };
@@ -150,21 +155,31 @@ struct EnvironmentLight {
   float intensity = 1;
   MapOrientation orientation;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  void sample(std::span<const Vec2> u, std::span<std::optional<LightSample>> samples) const;
   InfiniteView look(const Vec3& wi) const;
+  void look(std::span<const Vec3> wi, std::span<InfiniteView> views) const;
   float power(const Bounds3& scene) const;
 };
 
 /// The one list of lights.
-using Light = std::variant<PointLight, SpotLight, DirectionalLight, RectangleLight, MeshLight, SphereLight, HemisphereLight,
-                           EnvironmentLight>;
+using Light = std::variant<PointLight, SpotLight, DirectionalLight, RectangleLight, MeshLight, SphereLight,
+                           HemisphereLight, EnvironmentLight>;
 
 /// A way to shine on `from`, with probability density `pdf`. Nothing if the light cannot be seen from there.
-std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u);
+std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u, float choice);
+/// The same for many points, samples[i] from from[i] by u[i] and choice[i]; at most 16: those of an environment wait
+/// for memory together.
+void sample_light(const Light& light, std::span<const Point3> from, std::span<const Vec2> u,
+                  std::span<const float> choice, std::span<std::optional<LightSample>> samples);
+/// Whether `choice` matters.
+bool has_parts(const Light& light);
 /// Density with which sample_light gives the direction to a point of a finite light; 0 for lights without surface.
 float light_pdf(const Light& light, const Point3& from, const LightHit& hit);
 /// What is seen of an infinite light along wi; black with density 0 for lights that are not at infinity.
 InfiniteView look_at_infinity(const Light& light, const Vec3& wi);
+/// The same along many directions, at most 16: they wait for memory together.
+void look_at_infinity(const Light& light, std::span<const Vec3> wi, std::span<InfiniteView> views);
 bool is_infinite(const Light& light);
 bool is_delta(const Light& light);
 /// Emitted flux in W, roughly.

@@ -6,8 +6,8 @@
 namespace etendue {
 namespace {
 
-/// Solid angle is worth its price where the triangle looms large (squared distance below this multiple of its area). Up to where it fills
-/// nearly the whole half space its arithmetic holds.
+/// Solid angle is worth its price where the triangle looms large (squared distance below this multiple of its area). Up
+/// to where it fills nearly the whole half space its arithmetic holds.
 constexpr float kFarRatio = 8;
 
 bool by_solid_angle(const MeshLight::Triangle& t, const Point3& from, float height) {
@@ -20,7 +20,9 @@ float position_error(const MeshLight::Triangle& t) {
 }
 
 /// Density by area turned into solid angle at distance² d2 and height over the plane: cos at the light = height / d.
-float area_to_solid_angle(float d2, float height, float area) { return d2 * std::sqrt(d2) / (height * area); }
+float area_to_solid_angle(float d2, float height, float area) {
+  return d2 * std::sqrt(d2) / (height * area);
+}
 
 }  // namespace
 
@@ -32,22 +34,21 @@ MeshLight::MeshLight(std::vector<Triangle> triangles_in, const Spectrum& emitted
   by_area = DiscreteDistribution(areas);
 }
 
-std::optional<LightSample> MeshLight::sample(const Point3& from, Vec2 u) const {
-  const DiscreteDistribution::Sample chosen = by_area.sample(u.x);
+std::optional<LightSample> MeshLight::sample(const Point3& from, Vec2 u, float choice) const {
+  const DiscreteDistribution::Sample chosen = by_area.sample(choice);
   const Triangle& t = triangles[chosen.index];
   const float height = dot(from - t.p0, t.normal);
   if (height <= 0) return std::nullopt;
-  const Vec2 v(chosen.remapped, u.y);
   if (by_solid_angle(t, from, height)) {
     const SphericalTriangle seen(t.p0, t.p1, t.p2, from);
     if (seen.solid_angle() == 0) return std::nullopt;
-    const Vec3 wi = seen.sample(v);
+    const Vec3 wi = seen.sample(u);
     const float cosine = -dot(wi, t.normal);
     if (cosine <= 0) return std::nullopt;
-    return LightSample{wi, height / cosine, emitted, chosen.probability / seen.solid_angle(), false, t.normal,
-                       position_error(t)};
+    return LightSample{wi,    height / cosine, emitted,          chosen.probability / seen.solid_angle(),
+                       false, t.normal,        position_error(t)};
   }
-  const Vec2 b = sample_triangle_uniform(v);
+  const Vec2 b = sample_triangle_uniform(u);
   const Vec3 d = t.p0 * (1 - b.x - b.y) + t.p1 * b.x + t.p2 * b.y - from;
   const float d2 = length_squared(d), distance = std::sqrt(d2);
   const float pdf = chosen.probability * area_to_solid_angle(d2, height, t.area);

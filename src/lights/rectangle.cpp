@@ -19,7 +19,8 @@ SphericalRectangle::SphericalRectangle(const Rectangle& r, const Point3& from) {
   z0_ = -std::abs(dot(d, r.normal));
   x1_ = x0_ + r.length_x;
   y1_ = y0_ + r.length_y;
-  // z components of the normals of the four planes through `from` and an edge; the interior angles follow from their products.
+  // z components of the normals of the four planes through `from` and an edge; the interior angles follow from their
+  // products.
   const auto normal_z = [this](double edge) { return edge / std::sqrt(z0_ * z0_ + edge * edge); };
   const double n0 = -normal_z(y0_), n1 = normal_z(x1_), n2 = normal_z(y1_), n3 = -normal_z(x0_);
   const auto angle = [](double c) { return std::acos(std::clamp(c, -1.0, 1.0)); };
@@ -45,9 +46,9 @@ Point3 SphericalRectangle::sample(const Rectangle& r, Vec2 u) const {
 
 namespace {
 
-/// Beyond this ratio of squared distance (to the centre) to half the squared diagonal, density by area is nearly as good as by solid angle and
-/// cheaper: on the Cornell box 16 cost 8 % more time × variance than 2. Much nearer the plane than the inner bound, the height's own rounding
-/// would show.
+/// Beyond this ratio of squared distance (to the centre) to half the squared diagonal, density by area is nearly as
+/// good as by solid angle and cheaper: on the Cornell box 16 cost 8 % more time × variance than 2. Much nearer the
+/// plane than the inner bound, the height's own rounding would show.
 constexpr float kFarRatio = 2;
 
 bool by_solid_angle(const Rectangle& r, const Point3& from, float height) {
@@ -57,7 +58,7 @@ bool by_solid_angle(const Rectangle& r, const Point3& from, float height) {
 
 }  // namespace
 
-std::optional<LightSample> RectangleLight::sample(const Point3& from, Vec2 u) const {
+std::optional<LightSample> RectangleLight::sample(const Point3& from, Vec2 u, float) const {
   const float height = dot(from - rectangle.corner, rectangle.normal);
   if (height <= 0) return std::nullopt;
   Point3 p;
@@ -74,7 +75,8 @@ std::optional<LightSample> RectangleLight::sample(const Point3& from, Vec2 u) co
   if (pdf_solid == 0) pdf_solid = d2 * distance / (height * rectangle.area());  // cos at the light = height / distance
   if (!std::isfinite(pdf_solid) || pdf_solid <= 0) return std::nullopt;
   const float largest = max_abs_component(rectangle.corner) + rectangle.length_x + rectangle.length_y;
-  return LightSample{d * (1 / distance), distance, emitted, pdf_solid, false, rectangle.normal, kRelativeError * largest};
+  return LightSample{d * (1 / distance),      distance, emitted, pdf_solid, false, rectangle.normal,
+                     kRelativeError * largest};
 }
 
 float RectangleLight::pdf_hit(const Point3& from, const LightHit& hit) const {
@@ -85,6 +87,8 @@ float RectangleLight::pdf_hit(const Point3& from, const LightHit& hit) const {
   return d2 * std::sqrt(d2) / (height * rectangle.area());
 }
 
-float RectangleLight::power(const Bounds3&) const { return kPi * rectangle.area() * emitted.luminance(); }
+float RectangleLight::power(const Bounds3&) const {
+  return kPi * rectangle.area() * emitted.luminance();
+}
 
 }  // namespace etendue

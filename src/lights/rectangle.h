@@ -7,8 +7,8 @@ namespace etendue {
 /// A rectangle in space, prepared for sampling from points around it.
 struct Rectangle {
   Point3 corner;
-  Vec3 edge_x, edge_y;            ///< perpendicular; they span it from the corner
-  Vec3 unit_x, unit_y, normal;    ///< unit; normal = unit_x × unit_y is the front
+  Vec3 edge_x, edge_y;          ///< perpendicular; they span it from the corner
+  Vec3 unit_x, unit_y, normal;  ///< unit; normal = unit_x × unit_y is the front
   float length_x = 0, length_y = 0;
 
   Rectangle() = default;
@@ -18,8 +18,8 @@ struct Rectangle {
 };
 
 /// The rectangle seen from a point, as a spherical rectangle of which points are drawn uniformly by solid angle
-/// (Ureña, Fajardo, King 2013, "An Area-Preserving Parametrization for Spherical Rectangles"). In doubles: the angles are differences that
-/// nearly cancel, for long strips and grazing views.
+/// (Ureña, Fajardo, King 2013, "An Area-Preserving Parametrization for Spherical Rectangles"). In doubles: the angles
+/// are differences that nearly cancel, for long strips and grazing views.
 class SphericalRectangle {
  public:
   SphericalRectangle(const Rectangle& rectangle, const Point3& from);

@@ -4,9 +4,13 @@ namespace etendue {
 namespace {
 
 /// Angle between the planes with normals u and v.
-double angle_between(const Vec3d& u, const Vec3d& v) { return std::atan2(u.cross(v).length(), u.dot(v)); }
+double angle_between(const Vec3d& u, const Vec3d& v) {
+  return std::atan2(u.cross(v).length(), u.dot(v));
+}
 
-double safe_root(double x) { return std::sqrt(std::max(x, 0.0)); }
+double safe_root(double x) {
+  return std::sqrt(std::max(x, 0.0));
+}
 
 }  // namespace
 
@@ -25,7 +29,8 @@ SphericalTriangle::SphericalTriangle(const Point3& p0, const Point3& p1, const P
 }
 
 Vec3 SphericalTriangle::sample(Vec2 u) const {
-  // The sub-triangle with area u.x · Ω shares the vertices a, b and the angle α at a; its third vertex lies on the arc from a to c.
+  // The sub-triangle with area u.x · Ω shares the vertices a, b and the angle α at a; its third vertex lies on the arc
+  // from a to c.
   const double area = u.x * solid_angle_;
   const double sin_alpha = std::sin(alpha_), cos_alpha = std::cos(alpha_);
   const double phi = area - alpha_;

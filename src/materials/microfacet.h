@@ -6,8 +6,9 @@ namespace etendue {
 
 enum class MicrofacetKind { beckmann, ggx };
 
-/// Isotropic distribution of microfacet normals about +z with Smith's shadowing, the two directions' visibilities independent
-/// (Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"). Directions are unit and in the shading frame, z > 0.
+/// Isotropic distribution of microfacet normals about +z with Smith's shadowing, the two directions' visibilities
+/// independent (Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"). Directions are unit and
+/// in the shading frame, z > 0.
 class MicrofacetDistribution {
  public:
   /// Widths below this are treated as this: float arithmetic ends there.
@@ -21,8 +22,9 @@ class MicrofacetDistribution {
   float visibility(const Vec3& w) const;
   /// Density of sample_visible per solid angle of m: G₁(w) max(0, w·m) D(m) / w.z.
   float visible_pdf(const Vec3& w, const Vec3& m) const;
-  /// A normal, in proportion to how much of it is seen from w: for GGX by Dupuy and Benyoub 2023 ("Sampling Visible GGX Normals with
-  /// Spherical Caps"), for Beckmann by slopes (Heitz and d'Eon 2014), whose visible-slope distribution function is inverted by Newton steps.
+  /// A normal, in proportion to how much of it is seen from w: for GGX by Dupuy and Benyoub 2023 ("Sampling Visible GGX
+  /// Normals with Spherical Caps"), for Beckmann by slopes (Heitz and d'Eon 2014), whose visible-slope distribution
+  /// function is inverted by Newton steps.
   Vec3 sample_visible(const Vec3& w, Vec2 u) const;
 
  private:

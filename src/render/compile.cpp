@@ -13,7 +13,13 @@ namespace {
 
 /// How far from the origin geometry may lie, in metres: beyond, the squares of distances between things would overflow.
 constexpr float kReach = 1e12f;
-bool is_out_of_reach(const Point3& p) { return !(max_abs_component(p) <= kReach); }
+bool is_out_of_reach(const Point3& p) {
+  return !(max_abs_component(p) <= kReach);
+}
+
+/// Triangles below this, in square metres, lie at the end of float arithmetic: twice their area squared nears the
+/// smallest of floats.
+constexpr float kTinyArea = 1e-18f;
 
 /// Brings every channel into [0, 1], NaN to 0; returns how many texels that changed.
 std::size_t make_reflectance(Image& image) {
@@ -39,6 +45,7 @@ class Compiler {
   void compile_materials();
   void compile_instances();
   void compile_lights();
+  void compile_light(const scene::Light& light);
   void compile_light_choice();
 
   Material compile_material(const scene::Material& material) const;
@@ -55,9 +62,15 @@ class Compiler {
   std::shared_ptr<RenderScene::Data> data_ = std::make_shared<RenderScene::Data>();
 };
 
-/// The mesh in world space. Its winding is made to agree with its normals, so that the front is on their side; normals that say no more
-/// than the triangles themselves are left out. Triangles without area or out of reach are dropped and counted.
-TriangleMesh to_world(const scene::Mesh& mesh, const Transform& m, std::size_t& dropped) {
+/// How many triangles of a scene are not what they should be.
+struct TriangleRepairs {
+  std::size_t dropped = 0, tiny = 0;
+};
+
+/// The mesh in world space. Its winding is made to agree with its normals, so that the front is on their side; normals
+/// that say no more than the triangles themselves are left out. Triangles without area or out of reach are dropped and
+/// counted, tiny ones counted.
+TriangleMesh to_world(const scene::Mesh& mesh, const Transform& m, TriangleRepairs& repairs) {
   TriangleMesh out;
   out.positions.reserve(mesh.positions.size() + 2);
   for (const Point3& p : mesh.positions) out.positions.push_back(m.point(p));
@@ -73,9 +86,10 @@ TriangleMesh to_world(const scene::Mesh& mesh, const Transform& m, std::size_t& 
     const Vec3 n = cross(p1 - p0, p2 - p0);
     const float l = length(n);
     if (!(l > 0) || !std::isfinite(l) || is_out_of_reach(p0) || is_out_of_reach(p1) || is_out_of_reach(p2)) {
-      ++dropped;
+      ++repairs.dropped;
       continue;
     }
+    repairs.tiny += 0.5f * l < kTinyArea ? 1 : 0;
     if (!out.normals.empty()) {
       const Vec3 unit = n * (1 / l);
       const float a = dot(unit, out.normals[t[0]]), b = dot(unit, out.normals[t[1]]), c = dot(unit, out.normals[t[2]]);
@@ -95,9 +109,10 @@ std::shared_ptr<const RenderScene::Data> Compiler::run() {
   compile_instances();
   compile_lights();
   if (data_->geometry.shape_count() == 0)
-    throw Error(Failure::input,
-                fmt::format("{}: nothing to render: the scene has no geometry. Does its <visual_scene> instantiate any?",
-                            scene_.file.string()));
+    throw Error(
+        Failure::input,
+        fmt::format("{}: nothing to render: the scene has no geometry. Does its <visual_scene> instantiate any?",
+                    scene_.file.string()));
   data_->geometry.build();
   compile_light_choice();
   data_->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -128,20 +143,24 @@ Material Compiler::compile_material(const scene::Material& material) const {
 
     Material operator()(const scene::DiffuseMaterial& m) const {
       const ColorSource reflectance = compiler.color(m.reflectance);
-      if (const auto* constant = std::get_if<Spectrum>(&reflectance)) return {UniformMaterial{DiffuseBsdf{*constant}}, {}};
+      if (const auto* constant = std::get_if<Spectrum>(&reflectance))
+        return {UniformMaterial{DiffuseBsdf{*constant}}, {}};
       return {DiffuseMaterial{reflectance}, {}};
     }
-    Material operator()(const scene::MirrorMaterial& m) const { return {UniformMaterial{MirrorBsdf{m.reflectance}}, {}}; }
+    Material operator()(const scene::MirrorMaterial& m) const {
+      return {UniformMaterial{MirrorBsdf{m.reflectance}}, {}};
+    }
     Material operator()(const scene::GlassMaterial& m) const {
       const scene::Fresnel fresnel = compiler.options_.fresnel.value_or(m.fresnel);
-      return {UniformMaterial{DielectricBsdf{m.reflectance, m.transmittance, m.ior, fresnel == scene::Fresnel::schlick}}, {}};
+      return {
+          UniformMaterial{DielectricBsdf{m.reflectance, m.transmittance, m.ior, fresnel == scene::Fresnel::schlick}},
+          {}};
     }
     Material operator()(const scene::RefractionMaterial& m) const {
       return {UniformMaterial{RefractionBsdf{m.transmittance, m.ior}}, {}};
     }
     Material operator()(const scene::ConductorMaterial& m) const {
-      const auto kind =
-          m.distribution == scene::Microfacets::ggx ? MicrofacetKind::ggx : MicrofacetKind::beckmann;
+      const auto kind = m.distribution == scene::Microfacets::ggx ? MicrofacetKind::ggx : MicrofacetKind::beckmann;
       return {UniformMaterial{ConductorBsdf{m.eta, m.k, m.reflectance, MicrofacetDistribution(kind, m.alpha)}}, {}};
     }
     Material operator()(const scene::NoReflection&) const { return {UniformMaterial{BlackBsdf{}}, {}}; }
@@ -178,7 +197,7 @@ void Compiler::add_sphere(const SphereShape& sphere, std::uint32_t material) {
 }
 
 void Compiler::compile_instances() {
-  std::size_t dropped = 0;
+  TriangleRepairs repairs;
   for (const scene::Instance& instance : scene_.instances) {
     const Transform& m = instance.to_world;
     if (const auto* id = std::get_if<scene::Id<scene::Sphere>>(&instance.shape)) {
@@ -197,10 +216,12 @@ void Compiler::compile_instances() {
       continue;
     }
     const scene::Mesh& mesh = scene_.meshes[std::get<scene::Id<scene::Mesh>>(instance.shape).index];
-    TriangleMesh world = to_world(mesh, m, dropped);
+    TriangleMesh world = to_world(mesh, m, repairs);
     if (!world.triangles.empty()) add_mesh(std::move(world), instance.material.index);
   }
-  diagnostics_.repaired("triangle without area or beyond 1e12 m left out", {}, dropped);
+  diagnostics_.repaired("triangle without area or beyond 1e12 m left out", {}, repairs.dropped);
+  diagnostics_.repaired("triangle below 1e-18 m² rendered with few exact digits: a larger <unit> helps", {},
+                        repairs.tiny);
 }
 
 void Compiler::add_rectangle(const scene::Light& light, const Spectrum& radiance) {
@@ -265,17 +286,20 @@ std::optional<Light> Compiler::point_like_or_infinite(const scene::Light& light)
   return std::visit(Visitor{*this, light, m, axis}, light.source);
 }
 
-void Compiler::compile_lights() {
-  for (const scene::Light& light : scene_.lights) {
-    if (const auto* rectangle = std::get_if<scene::RectangleLight>(&light.source)) {
-      if (!rectangle->radiance.is_black()) add_rectangle(light, rectangle->radiance);
-      continue;
-    }
-    std::optional<Light> compiled = point_like_or_infinite(light);
-    if (!compiled) continue;
-    if (is_infinite(*compiled)) data_->infinite_lights.push_back(static_cast<std::uint32_t>(data_->lights.size()));
-    data_->lights.push_back(std::move(*compiled));
+void Compiler::compile_light(const scene::Light& light) {
+  if (const auto* rectangle = std::get_if<scene::RectangleLight>(&light.source)) {
+    if (!rectangle->radiance.is_black()) add_rectangle(light, rectangle->radiance);
+    return;
   }
+  std::optional<Light> compiled = point_like_or_infinite(light);
+  if (!compiled) return;
+  if (is_infinite(*compiled)) data_->infinite_lights.push_back(static_cast<std::uint32_t>(data_->lights.size()));
+  data_->lights.push_back(std::move(*compiled));
+}
+
+void Compiler::compile_lights() {
+  for (const scene::Light& light : scene_.lights) compile_light(light);
+  if (options_.light_for) compile_light(options_.light_for(data_->geometry.bounds()));
 }
 
 void Compiler::compile_light_choice() {
@@ -297,11 +321,21 @@ RenderScene compile(const scene::SceneDescription& scene, const CompileOptions& 
   return RenderScene(Compiler(scene, options, diagnostics).run());
 }
 
-const Bounds3& RenderScene::bounds() const { return data_->geometry.bounds(); }
-std::size_t RenderScene::triangle_count() const { return data_->geometry.triangle_count(); }
-std::size_t RenderScene::sphere_count() const { return data_->geometry.sphere_count(); }
-std::size_t RenderScene::light_count() const { return data_->lights.size(); }
-double RenderScene::build_seconds() const { return data_->build_seconds; }
+const Bounds3& RenderScene::bounds() const {
+  return data_->geometry.bounds();
+}
+std::size_t RenderScene::triangle_count() const {
+  return data_->geometry.triangle_count();
+}
+std::size_t RenderScene::sphere_count() const {
+  return data_->geometry.sphere_count();
+}
+std::size_t RenderScene::light_count() const {
+  return data_->lights.size();
+}
+double RenderScene::build_seconds() const {
+  return data_->build_seconds;
+}
 
 std::optional<float> RenderScene::depth_at(const Camera& camera, int x, int y, int width, int height) const {
   Camera pinhole = camera;

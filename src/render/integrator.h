@@ -40,12 +40,16 @@ class CameraRays {
 
 /// The random numbers' dimensions: two for the camera, then a block for each bounce.
 namespace dimension {
-inline constexpr std::uint32_t kFilm = 0, kLens = 1;
-inline constexpr std::uint32_t kBounceStride = 1u << 16;
-inline constexpr std::uint32_t kDirection = 2, kLobeAndRoulette = 3, kLightChoice = 4, kLights = 5;
-inline constexpr std::uint32_t at(int bounce, std::uint32_t slot) {
-  return static_cast<std::uint32_t>(bounce) * kBounceStride + slot;
+inline constexpr std::uint64_t kFilm = 0, kLens = 1;
+inline constexpr std::uint64_t kBounceStride = std::uint64_t{1} << 33;  // room for two of each of 2³² lights
+inline constexpr std::uint64_t kDirection = 2, kLobeAndRoulette = 3, kLightChoice = 4, kLights = 5;
+inline constexpr std::uint64_t at(int bounce, std::uint64_t slot) {
+  return static_cast<std::uint64_t>(bounce) * kBounceStride + slot;
 }
+/// Where a point on a light lies, and on which part of the light.
+inline constexpr std::uint64_t position(std::uint64_t light) { return kLights + 2 * light; }
+inline constexpr std::uint64_t part(std::uint64_t light) { return kLights + 2 * light + 1; }
+static_assert(at(0, part(0xffff'fff0u)) < at(1, kDirection), "the lights of one bounce reach into the next");
 }  // namespace dimension
 
 }  // namespace etendue

@@ -1,5 +1,7 @@
 #include "render/path_integrator.h"
 
+#include <bit>
+
 #include "math/frame.h"
 #include "render/debug_integrators.h"
 #include "sampling/warp.h"
@@ -18,7 +20,8 @@ float mis_weight(float pdf, float other_pdf) {
   return 1 / (1 + square(other_pdf / pdf));
 }
 
-/// From a point to what it sampled: ends before a light's own surface by that point's rounding error and that of the ray.
+/// From a point to what it sampled: ends before a light's own surface by that point's rounding error and that of the
+/// ray.
 Ray shadow_ray(const Point3& from, const LightSample& sample) {
   if (std::isinf(sample.distance)) return {from, sample.wi};
   const float error = sample.error + kRelativeError * max_abs_component(from);
@@ -33,11 +36,12 @@ void CameraRays::generate(const PixelSampler& sampler, int x, int y, std::uint32
   const int count = static_cast<int>(rays.size());
   float fu[kBatch], fv[kBatch], lu[kBatch], lv[kBatch];
   sampler.points(dimension::kFilm, first, count, fu, fv);
-  if (camera_.lens_radius > 0) sampler.points(dimension::kLens, first, count, lu, lv);
+  const bool has_lens = camera_.lens_radius > 0;
+  if (has_lens) sampler.points(dimension::kLens, first, count, lu, lv);
   for (int i = 0; i < count; ++i) {
     const Vec2 film((static_cast<float>(x) + fu[i]) / static_cast<float>(width_),
                     (static_cast<float>(y) + fv[i]) / static_cast<float>(height_));
-    rays[i] = generate_ray(camera_, film, camera_.lens_radius > 0 ? Vec2(lu[i], lv[i]) : Vec2(0.5f));
+    rays[i] = generate_ray(camera_, film, has_lens ? Vec2(lu[i], lv[i]) : Vec2(0.5f));
   }
 }
 
@@ -50,15 +54,16 @@ void CameraRays::describe(const Ray& ray, const RayHit& hit, const SurfaceHit& s
 struct PathIntegrator::Path {
   Ray ray;
   Spectrum throughput{1};
-  float pdf_bsdf = 0;     ///< of the ray's direction; 0: only this ray finds what it meets (camera, delta lobe)
-  float eta_scale = 1;    ///< product of eta² along the path: what refraction did to the throughput is no reason to end it
+  float pdf_bsdf = 0;  ///< of the ray's direction; 0: only this ray finds what it meets (camera, delta lobe)
+  float eta_scale =
+      1;  ///< product of eta² along the path: what refraction did to the throughput is no reason to end it
 };
 
 /// Where a path is scattered.
 struct PathIntegrator::Vertex {
   SurfaceHit surface;
   Frame frame;
-  Vec3 wo;        ///< world
+  Vec3 wo;  ///< world
   Vec3 wo_local;
   Bsdf bsdf = BlackBsdf{};
 };
@@ -101,9 +106,15 @@ class PathIntegrator::Batch {
   void sample_hemisphere(int bounce);
   void scatter(int bounce);
 
-  void see_infinity(int i);
+  void see_infinity();
   void see_emission(int i, const SurfaceHit& surface, const Vec3& wo, const Spectrum& emission, std::uint32_t light);
-  void aim(int i, std::uint32_t light, const LightPlan& plan, Vec2 u);
+  /// Of path i's first among `samples` samples a path.
+  std::uint64_t sample_number(int i, std::int64_t samples) const {
+    return (std::uint64_t{first_} + static_cast<std::uint64_t>(i)) * static_cast<std::uint64_t>(samples);
+  }
+  Point3 lit_point(int i) const { return offset_origin(vertices_[i].surface, vertices_[i].wo); }
+  void aim_at(std::uint32_t light);
+  void aim(int i, const LightSample& sample, const LightPlan& plan);
   void flush_shadow_rays();
   Spectrum emission_along(const Ray& ray);
   bool counts_emission(const Path& path) const { return !self_.hemisphere_ || path.pdf_bsdf == 0; }
@@ -121,6 +132,23 @@ class PathIntegrator::Batch {
   RayHit hits_[kBatch];
   int active_[kBatch];
   int active_count_ = 0;
+
+  /// What is to be asked of one light, so that all its answers can be found together.
+  struct Aims {
+    int count = 0;
+    int path[kBatch];
+    Point3 from[kBatch];
+    Vec2 u[kBatch];
+    float part[kBatch];
+
+    void add(int i, const Point3& lit, const Vec2& position, float which) {
+      path[count] = i;
+      from[count] = lit;
+      u[count] = position;
+      part[count++] = which;
+    }
+  };
+  Aims aims_;
 
   Ray shadow_rays_[kBatch];
   Spectrum shadow_radiance_[kBatch];
@@ -145,13 +173,26 @@ void PathIntegrator::Batch::intersect() {
   rays_ += active_count_;
 }
 
-void PathIntegrator::Batch::see_infinity(int i) {
-  const Path& path = paths_[i];
-  if (!counts_emission(path)) return;
-  for (const std::uint32_t index : scene_.infinite_lights) {
-    const InfiniteView view = look_at_infinity(scene_.lights[index], path.ray.direction);
-    const float weight = path.pdf_bsdf > 0 ? mis_weight(path.pdf_bsdf, view.pdf * self_.plan(index).density()) : 1.0f;
-    samples_[i].radiance += path.throughput * view.radiance * weight;
+/// What the paths that met nothing see.
+void PathIntegrator::Batch::see_infinity() {
+  int path[kBatch];
+  Vec3 wi[kBatch];
+  std::size_t n = 0;
+  for (int a = 0; a < active_count_; ++a) {
+    const int i = active_[a];
+    if (hits_[i].found() || !counts_emission(paths_[i])) continue;
+    path[n] = i;
+    wi[n++] = paths_[i].ray.direction;
+  }
+  if (n == 0) return;
+  for (const std::uint32_t light : scene_.infinite_lights) {
+    InfiniteView views[kBatch];
+    look_at_infinity(scene_.lights[light], std::span<const Vec3>(wi, n), std::span(views, n));
+    for (std::size_t j = 0; j < n; ++j) {
+      const Path& p = paths_[path[j]];
+      const float weight = p.pdf_bsdf > 0 ? mis_weight(p.pdf_bsdf, views[j].pdf * self_.plan(light).density()) : 1.0f;
+      samples_[path[j]].radiance += p.throughput * views[j].radiance * weight;
+    }
   }
 }
 
@@ -162,28 +203,26 @@ void PathIntegrator::Batch::see_emission(int i, const SurfaceHit& surface, const
   float weight = 1;
   if (path.pdf_bsdf > 0) {
     const LightHit hit{surface.position, surface.geometric_normal, hits_[i].primitive};
-    weight = mis_weight(path.pdf_bsdf, light_pdf(scene_.lights[light], path.ray.origin, hit) * self_.plan(light).density());
+    weight =
+        mis_weight(path.pdf_bsdf, light_pdf(scene_.lights[light], path.ray.origin, hit) * self_.plan(light).density());
   }
   samples_[i].radiance += path.throughput * emission * weight;
 }
 
 void PathIntegrator::Batch::arrive(int bounce) {
+  see_infinity();
   int kept = 0;
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];
-    if (!hits_[i].found()) {
-      see_infinity(i);
-      continue;
-    }
+    if (!hits_[i].found()) continue;
     Vertex& vertex = vertices_[i];
     vertex.surface = scene_.geometry.surface(paths_[i].ray, hits_[i]);
     vertex.wo = -paths_[i].ray.direction;
     const RenderScene::Data::ShapeInfo& shape = scene_.shapes[hits_[i].shape];
     const Material& material = scene_.materials[shape.material];
     if (shape.light != kNone) see_emission(i, vertex.surface, vertex.wo, material.emission, shape.light);
-    const Vec2 uv = material.needs_texture_coordinates()
-                        ? scene_.geometry.texture_coordinates(hits_[i], vertex.surface)
-                        : Vec2(0);
+    const Vec2 uv =
+        material.needs_texture_coordinates() ? scene_.geometry.texture_coordinates(hits_[i], vertex.surface) : Vec2(0);
     vertex.bsdf = evaluate_material(material, uv, scene_.textures);
     if (bounce == 0) {
       self_.camera_rays_.describe(paths_[i].ray, hits_[i], vertex.surface, samples_[i]);
@@ -199,21 +238,29 @@ void PathIntegrator::Batch::arrive(int bounce) {
   active_count_ = kept;
 }
 
-/// Prepares the shadow ray of path i to a point of `light`; it is traced when a packet is full.
-void PathIntegrator::Batch::aim(int i, std::uint32_t light, const LightPlan& plan, Vec2 u) {
+void PathIntegrator::Batch::aim_at(std::uint32_t light) {
+  const auto n = static_cast<std::size_t>(aims_.count);
+  std::optional<LightSample> samples[kBatch];
+  sample_light(scene_.lights[light], std::span<const Point3>(aims_.from, n), std::span<const Vec2>(aims_.u, n),
+               std::span<const float>(aims_.part, n), std::span(samples, n));
+  const LightPlan plan = self_.plan(light);
+  for (std::size_t j = 0; j < n; ++j)
+    if (samples[j]) aim(aims_.path[j], *samples[j], plan);
+  aims_.count = 0;
+}
+
+/// Prepares the shadow ray of path i to a point of a light; it is traced when a packet is full.
+void PathIntegrator::Batch::aim(int i, const LightSample& sample, const LightPlan& plan) {
   const Vertex& vertex = vertices_[i];
-  const SurfaceHit& surface = vertex.surface;
-  const Point3 from = offset_origin(surface, vertex.wo);
-  const std::optional<LightSample> sample = sample_light(scene_.lights[light], from, u);
-  if (!sample) return;
+  const Vec3& ng = vertex.surface.geometric_normal;
   // Light on the far side of the true surface reaches an opaque one only through an interpolated normal.
-  if (dot(sample->wi, surface.geometric_normal) * dot(vertex.wo, surface.geometric_normal) <= 0) return;
-  const BsdfEval eval = eval_bsdf(vertex.bsdf, vertex.wo_local, vertex.frame.to_local(sample->wi));
+  if (dot(sample.wi, ng) * dot(vertex.wo, ng) <= 0) return;
+  const BsdfEval eval = eval_bsdf(vertex.bsdf, vertex.wo_local, vertex.frame.to_local(sample.wi));
   if (eval.f_cos.is_black()) return;
-  const float pdf = sample->pdf * plan.density();
-  const float weight = sample->is_delta ? 1.0f : mis_weight(pdf, eval.pdf);
-  shadow_radiance_[shadow_count_] = paths_[i].throughput * eval.f_cos * sample->radiance * (weight / pdf);
-  shadow_rays_[shadow_count_] = shadow_ray(from, *sample);
+  const float pdf = sample.pdf * plan.density();
+  const float weight = sample.is_delta ? 1.0f : mis_weight(pdf, eval.pdf);
+  shadow_radiance_[shadow_count_] = paths_[i].throughput * eval.f_cos * sample.radiance * (weight / pdf);
+  shadow_rays_[shadow_count_] = shadow_ray(lit_point(i), sample);
   shadow_path_[shadow_count_] = i;
   if (++shadow_count_ == kBatch) flush_shadow_rays();
 }
@@ -238,31 +285,45 @@ void PathIntegrator::Batch::sample_lights(int bounce) {
 
 void PathIntegrator::Batch::sample_light_for_all(int bounce, std::uint32_t light) {
   const LightPlan plan = self_.plan(light);
-  float u[kBatch], v[kBatch];
-  const auto dim = dimension::at(bounce, dimension::kLights + light);
-  // Sample j of path i is number (first + i) · samples + j of one sequence: well spread over the light across all of them.
+  float x[kBatch], y[kBatch], part[kBatch] = {}, unused[kBatch];
+  // Sample j of path i is number (first + i) · samples + j of one sequence: well spread over the light across all of
+  // them.
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];
     if (is_delta(vertices_[i].bsdf)) continue;
-    for (int done = 0; done < plan.samples; done += kBatch) {
-      const int n = std::min(kBatch, plan.samples - done);
-      const auto index = (first_ + static_cast<std::uint32_t>(i)) * static_cast<std::uint32_t>(plan.samples);
-      sampler_.points(dim, index + static_cast<std::uint32_t>(done), n, u, v);
-      for (int j = 0; j < n; ++j) aim(i, light, plan, {u[j], v[j]});
+    for (std::int64_t done = 0; done < plan.samples; done += kBatch) {
+      const auto n = static_cast<int>(std::min<std::int64_t>(kBatch, plan.samples - done));
+      const std::uint64_t index = sample_number(i, plan.samples) + done;
+      sampler_.points(dimension::at(bounce, dimension::position(light)), index, n, x, y);
+      if (has_parts(scene_.lights[light]))
+        sampler_.points(dimension::at(bounce, dimension::part(light)), index, n, part, unused);
+      for (int j = 0; j < n; ++j) aims_.add(i, lit_point(i), {x[j], y[j]}, part[j]);
+      aim_at(light);
     }
   }
 }
 
 void PathIntegrator::Batch::sample_one_light(int bounce) {
-  float choice_u[kBatch], choice_v[kBatch], u[kBatch], v[kBatch];
-  const bool choose = scene_.lights.size() > 1;
-  if (choose) sampler_.points(dimension::at(bounce, dimension::kLightChoice), first_, count_, choice_u, choice_v);
-  sampler_.points(dimension::at(bounce, dimension::kLights), first_, count_, u, v);
+  float choice[kBatch] = {}, part[kBatch] = {}, x[kBatch], y[kBatch];
+  if (scene_.lights.size() > 1 || has_parts(scene_.lights[0]))
+    sampler_.points(dimension::at(bounce, dimension::kLightChoice), first_, count_, choice, part);
+  sampler_.points(dimension::at(bounce, dimension::position(0)), first_, count_, x, y);
+  std::uint32_t chosen[kBatch];
+  std::uint32_t waiting = 0;  // bit i: path i has a light still to be asked
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];
     if (is_delta(vertices_[i].bsdf)) continue;
-    const auto light = choose ? static_cast<std::uint32_t>(scene_.light_choice.sample(choice_u[i]).index) : 0u;
-    aim(i, light, self_.plan(light), {u[i], v[i]});
+    chosen[i] = static_cast<std::uint32_t>(scene_.light_choice.sample(choice[i]).index);
+    waiting |= 1u << i;
+  }
+  while (waiting != 0) {
+    const std::uint32_t light = chosen[std::countr_zero(waiting)];
+    for (int i = 0; i < count_; ++i) {
+      if ((waiting >> i & 1u) == 0 || chosen[i] != light) continue;
+      aims_.add(i, lit_point(i), {x[i], y[i]}, part[i]);
+      waiting &= ~(1u << i);
+    }
+    aim_at(light);
   }
 }
 
@@ -282,15 +343,15 @@ Spectrum PathIntegrator::Batch::emission_along(const Ray& ray) {
 }
 
 void PathIntegrator::Batch::sample_hemisphere(int bounce) {
-  const int n = std::max(1, self_.settings_.light_samples) * static_cast<int>(std::max<std::size_t>(1, scene_.lights.size()));
+  const std::int64_t n = static_cast<std::int64_t>(std::max(1, self_.settings_.light_samples)) *
+                         static_cast<std::int64_t>(std::max<std::size_t>(1, scene_.lights.size()));
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];
     const Vertex& vertex = vertices_[i];
     if (is_delta(vertex.bsdf)) continue;
-    for (int j = 0; j < n; ++j) {
+    for (std::int64_t j = 0; j < n; ++j) {
       float u, v;
-      const auto index = (first_ + static_cast<std::uint32_t>(i)) * static_cast<std::uint32_t>(n) + static_cast<std::uint32_t>(j);
-      sampler_.points(dimension::at(bounce, dimension::kLights), index, 1, &u, &v);
+      sampler_.points(dimension::at(bounce, dimension::position(0)), sample_number(i, n) + j, 1, &u, &v);
       Vec3 local = sample_hemisphere_uniform({u, v});
       const float pdf = hemisphere_uniform_pdf(local) * static_cast<float>(n);
       if (vertex.wo_local.z < 0) local.z = -local.z;
@@ -358,10 +419,12 @@ std::unique_ptr<Integrator> make_integrator(const RenderScene::Data& scene, cons
   switch (settings.integrator) {
     case IntegratorKind::path:
     case IntegratorKind::direct:
-    case IntegratorKind::hemisphere: return std::make_unique<PathIntegrator>(scene, camera, settings);
+    case IntegratorKind::hemisphere:
+      return std::make_unique<PathIntegrator>(scene, camera, settings);
     case IntegratorKind::normals:
     case IntegratorKind::albedo:
-    case IntegratorKind::ao: break;
+    case IntegratorKind::ao:
+      break;
   }
   return std::make_unique<DebugIntegrator>(scene, camera, settings);
 }

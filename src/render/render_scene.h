@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -16,6 +17,8 @@ enum class EnvironmentSampling { uniform, importance };
 struct CompileOptions {
   std::optional<scene::Fresnel> fresnel;  ///< overrides every glass
   EnvironmentSampling environment_sampling = EnvironmentSampling::importance;
+  /// Gives one more light, which may depend on the bounds of all that the description holds; none if empty.
+  std::function<scene::Light(const Bounds3& bounds)> light_for = {};
 };
 
 /// A scene ready to be rendered: acceleration structure, BSDF inputs, lights. Immutable, shared by threads and sessions.

@@ -6,8 +6,9 @@
 
 namespace etendue {
 
-/// Discrete distribution with probabilities proportional to given weights. Sums are doubles. Weights that are negative or not finite count
-/// as 0; if all are 0, the distribution is uniform.
+/// Discrete distribution with probabilities proportional to given weights, in multiples of 2⁻²⁴, the steps of the
+/// sampler's numbers: what probability() says is exactly how often sample() chooses. Sums are doubles. Weights that are
+/// negative or not finite count as 0, and so do those below 2⁻²⁵ of the sum; if all are 0, the distribution is uniform.
 class DiscreteDistribution {
  public:
   DiscreteDistribution() = default;
@@ -16,7 +17,6 @@ class DiscreteDistribution {
   struct Sample {
     std::size_t index;
     float probability;
-    float remapped;  ///< u rescaled within the chosen interval: again uniform in [0,1)
   };
   Sample sample(float u) const;
 

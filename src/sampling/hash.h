@@ -19,6 +19,8 @@ constexpr std::uint32_t hash_combine(std::uint32_t a, std::uint32_t b) {
 }
 
 /// Uniform in [0,1) from 32 random bits: the 24 highest, so that every value is exact.
-constexpr float to_unit_float(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+constexpr float to_unit_float(std::uint32_t bits) {
+  return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
 
 }  // namespace etendue

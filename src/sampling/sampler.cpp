@@ -5,7 +5,8 @@
 namespace etendue {
 namespace {
 
-// The same integer arithmetic for every processor, so the widest registers may be used without changing a bit of the result.
+// The same integer arithmetic for every processor, so the widest registers may be used without changing a bit of the
+// result.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define ETENDUE_WIDEST_SIMD __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
@@ -22,8 +23,8 @@ inline std::uint32_t reverse_bits(std::uint32_t x) {
   return x;
 }
 
-/// Hash in which each bit depends on lower bits only: an Owen scramble of a bit-reversed number (Laine and Karras 2011; constants of
-/// Vegdahl 2021, "Building a Better LK Hash").
+/// Hash in which each bit depends on lower bits only: an Owen scramble of a bit-reversed number (Laine and Karras 2011;
+/// constants of Vegdahl 2021, "Building a Better LK Hash").
 inline std::uint32_t owen_hash(std::uint32_t x, std::uint32_t seed) {
   x ^= x * 0x3d20adeau;
   x += seed;
@@ -33,7 +34,8 @@ inline std::uint32_t owen_hash(std::uint32_t x, std::uint32_t seed) {
   return x;
 }
 
-/// Second Sobol dimension, bit-reversed: Pascal's triangle modulo 2 applied to the index, as a sum over supersets of bit positions.
+/// Second Sobol dimension, bit-reversed: Pascal's triangle modulo 2 applied to the index, as a sum over supersets of
+/// bit positions.
 inline std::uint32_t pascal_transform(std::uint32_t x) {
   x ^= (x >> 1) & 0x55555555u;
   x ^= (x >> 2) & 0x33333333u;
@@ -43,14 +45,15 @@ inline std::uint32_t pascal_transform(std::uint32_t x) {
   return x;
 }
 
-/// Shuffled and scrambled Sobol pairs (Burley 2020, "Practical Hash-based Owen Scrambling", section 4). Dimension 0 is the reversed index,
-/// so its reversals cancel against those of the scramble.
+/// Shuffled and scrambled Sobol pairs (Burley 2020, "Practical Hash-based Owen Scrambling", section 4). Dimension 0 is
+/// the reversed index, so its reversals cancel against those of the scramble.
 ETENDUE_WIDEST_SIMD
 void sobol_points(std::uint32_t seed, std::uint32_t first, int count, float* __restrict u, float* __restrict v) {
   const std::uint32_t seed_index = mix_bits(seed), seed_u = mix_bits(seed + 0x68bc21ebu),
                       seed_v = mix_bits(seed + 0x02e5be93u);
   for (int i = 0; i < count; ++i) {
-    const std::uint32_t index = reverse_bits(owen_hash(reverse_bits(first + static_cast<std::uint32_t>(i)), seed_index));
+    const std::uint32_t index =
+        reverse_bits(owen_hash(reverse_bits(first + static_cast<std::uint32_t>(i)), seed_index));
     const std::uint32_t x = reverse_bits(owen_hash(index, seed_u));
     const std::uint32_t y = reverse_bits(owen_hash(pascal_transform(index), seed_v));
     u[i] = static_cast<float>(static_cast<std::int32_t>(x >> 8)) * 0x1p-24f;
@@ -71,17 +74,27 @@ void independent_points(std::uint32_t seed, std::uint32_t first, int count, floa
 }  // namespace
 
 PixelSampler::PixelSampler(SamplerKind kind, std::uint64_t seed, std::uint32_t x, std::uint32_t y) : kind_(kind) {
-  const std::uint32_t seed_hash = hash_combine(mix_bits(static_cast<std::uint32_t>(seed) + 0x165667b1u),
-                                               static_cast<std::uint32_t>(seed >> 32));
+  const std::uint32_t seed_hash =
+      hash_combine(mix_bits(static_cast<std::uint32_t>(seed) + 0x165667b1u), static_cast<std::uint32_t>(seed >> 32));
   pixel_hash_ = hash_combine(hash_combine(seed_hash, x), y);
 }
 
-void PixelSampler::points(std::uint32_t dimension, std::uint32_t first, int count, float* u, float* v) const {
-  const std::uint32_t seed = hash_combine(pixel_hash_, dimension);
+void PixelSampler::points(std::uint64_t dimension, std::uint64_t first, int count, float* u, float* v) const {
+  const auto sequence = static_cast<std::uint32_t>(first >> 32), index = static_cast<std::uint32_t>(first);
+  const std::uint64_t left = (std::uint64_t{1} << 32) - index;
+  if (left < static_cast<std::uint64_t>(count)) {
+    const int here = static_cast<int>(left);
+    points(dimension, first, here, u, v);
+    points(dimension, first + left, count - here, u + here, v + here);
+    return;
+  }
+  std::uint32_t seed = hash_combine(
+      pixel_hash_, static_cast<std::uint32_t>(dimension) + 0x9e3779b1u * static_cast<std::uint32_t>(dimension >> 32));
+  if (sequence != 0) seed = hash_combine(seed, sequence);
   if (kind_ == SamplerKind::sobol)
-    sobol_points(seed, first, count, u, v);
+    sobol_points(seed, index, count, u, v);
   else
-    independent_points(seed, first, count, u, v);
+    independent_points(seed, index, count, u, v);
 }
 
 }  // namespace etendue

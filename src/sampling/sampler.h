@@ -9,15 +9,17 @@ enum class SamplerKind {
   independent,  ///< uniform random numbers
 };
 
-/// The random numbers of one pixel. A value is a pure function of (seed, pixel, dimension, sample index): nothing depends on the order in
-/// which samples are drawn, nor on threads. A "dimension" names one decision along a path (the lens, the BSDF at bounce 2, …); each has its
-/// own shuffling of the samples, so that decisions are independent of each other and each is well stratified by itself.
+/// The random numbers of one pixel. A value is a pure function of (seed, pixel, dimension, sample index): nothing
+/// depends on the order in which samples are drawn, nor on threads. A "dimension" names one decision along a path (the
+/// lens, the BSDF at bounce 2, …); each has its own shuffling of the samples, so that decisions are independent of each
+/// other and each is well stratified by itself.
 class PixelSampler {
  public:
   PixelSampler(SamplerKind kind, std::uint64_t seed, std::uint32_t x, std::uint32_t y);
 
-  /// For samples first, first+1, … writes `count` points of [0,1)² to u[], v[]: coordinates in [0, 1 − 2⁻²⁴].
-  void points(std::uint32_t dimension, std::uint32_t first, int count, float* u, float* v) const;
+  /// For samples first, first+1, … writes `count` points of [0,1)² to u[], v[]: coordinates in [0, 1 − 2⁻²⁴]. Sequences
+  /// are well spread for 2³² samples; the next 2³² begin another.
+  void points(std::uint64_t dimension, std::uint64_t first, int count, float* u, float* v) const;
 
  private:
   SamplerKind kind_;

@@ -27,8 +27,8 @@ Vec3 sample_sphere_uniform(Vec2 u) {
 }
 
 Vec3 sample_cone_uniform(Vec2 u, float one_minus_cos) {
-  const float h = u.x * one_minus_cos;                   // 1 − cos θ
-  const float r = safe_sqrt(h * (2 - h));                // sin θ, without cancellation
+  const float h = u.x * one_minus_cos;     // 1 − cos θ
+  const float r = safe_sqrt(h * (2 - h));  // sin θ, without cancellation
   const float phi = 2 * kPi * u.y;
   return {r * std::cos(phi), r * std::sin(phi), 1 - h};
 }

@@ -4,16 +4,11 @@
 
 #include <optional>
 
+#include "testing/expect_near.h"
 #include "testing/random.h"
 
 namespace etendue {
 namespace {
-
-void expect_near(const Vec3& a, const Vec3& b, float tolerance) {
-  EXPECT_NEAR(a.x, b.x, tolerance);
-  EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(a.z, b.z, tolerance);
-}
 
 TriangleMesh one_triangle() {
   return {{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}},

@@ -2,6 +2,7 @@
 
 #include "math/frame.h"
 #include "math/transform.h"
+#include "math/turns.h"
 
 namespace etendue {
 namespace {
@@ -13,7 +14,8 @@ void expect_near(const Vec3& a, const Vec3& b, float tolerance = 1e-5f) {
 }
 
 TEST(Transform, InverseUndoes) {
-  const Transform m = Transform::translation({1, -2, 3}) * Transform::rotation({1, 2, -1}, 0.7f) * Transform::scaling({2, -0.5f, 3});
+  const Transform m =
+      Transform::translation({1, -2, 3}) * Transform::rotation({1, 2, -1}, 0.7f) * Transform::scaling({2, -0.5f, 3});
   const Point3 p(0.3f, -1.2f, 2.5f);
   expect_near(m.inverse().point(m.point(p)), p);
 }
@@ -46,6 +48,39 @@ TEST(Frame, IsOrthonormalAndRightHandedEverywhere) {
     EXPECT_NEAR(length(f.s), 1, 1e-6f);
     expect_near(f.to_world(f.to_local({0.1f, 0.2f, 0.3f})), {0.1f, 0.2f, 0.3f}, 1e-6f);
   }
+}
+
+TEST(Turns, SineAndCosineAreExactToRounding) {
+  for (int i = -200000; i <= 200000; ++i) {
+    const float turns = static_cast<float>(i) * 1.37e-5f;
+    const SinCos found = sin_cos_of_turns(turns);
+    const double angle = 2 * std::numbers::pi * static_cast<double>(turns);
+    ASSERT_NEAR(found.sin, std::sin(angle), 2e-7) << turns;
+    ASSERT_NEAR(found.cos, std::cos(angle), 2e-7) << turns;
+  }
+  for (const auto& [turns, sin, cos] : {std::array{0.0f, 0.0f, 1.0f}, std::array{0.25f, 1.0f, 0.0f},
+                                        std::array{0.5f, 0.0f, -1.0f}, std::array{-0.25f, -1.0f, 0.0f}}) {
+    EXPECT_EQ(sin_cos_of_turns(turns).sin, sin);
+    EXPECT_EQ(sin_cos_of_turns(turns).cos, cos);
+  }
+}
+
+TEST(Turns, AnglesAreExactToRounding) {
+  for (int i = -20000; i <= 20000; ++i)
+    for (const double length : {1e-9, 1.0, 1e9}) {
+      const double angle = std::numbers::pi * i / 20000;
+      const auto x = static_cast<float>(length * std::cos(angle)), y = static_cast<float>(length * std::sin(angle));
+      const double expected = std::atan2(static_cast<double>(y), static_cast<double>(x)) / (2 * std::numbers::pi);
+      ASSERT_NEAR(turns_of(y, x), expected, 5e-8) << x << ' ' << y;
+      if (std::abs(expected) < 1e-3 && y != 0) {
+        ASSERT_NEAR(turns_of(y, x) / expected, 1, 2e-7) << x << ' ' << y;
+      }
+    }
+  EXPECT_EQ(turns_of(0, 0), 0);
+  EXPECT_EQ(turns_of(0, 2), 0);
+  EXPECT_EQ(turns_of(3, 0), 0.25f);
+  EXPECT_EQ(turns_of(0, -1), 0.5f);
+  EXPECT_EQ(turns_of(-1, 0), -0.25f);
 }
 
 }  // namespace

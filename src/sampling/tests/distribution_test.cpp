@@ -58,19 +58,19 @@ TEST(DiscreteDistribution, NeverChoosesWeightZero) {
   EXPECT_EQ(DiscreteDistribution(thirds).sample(kOneMinusEpsilon).index, 3000u);
 }
 
-TEST(DiscreteDistribution, RemapsToAUniformNumber) {
-  const DiscreteDistribution distribution(std::vector<double>{1, 0, 2, 5});
-  for (std::size_t chosen : {0u, 2u, 3u}) {
-    Random random(7);
-    std::vector<double> counts(20);
-    for (int i = 0; i < 100000; ++i) {
-      const auto sample = distribution.sample(random.value());
-      ASSERT_GE(sample.remapped, 0);
-      ASSERT_LT(sample.remapped, 1);
-      if (sample.index == chosen) ++counts[static_cast<std::size_t>(sample.remapped * 20)];
-    }
-    EXPECT_GT(uniform_test(counts).p, sidak(0.01, 3)) << chosen;
-  }
+/// Among a million, each is chosen by about 16 of the sampler's 2²⁴ numbers: the probability must say by how many.
+TEST(DiscreteDistribution, KnowsExactlyHowOftenItChooses) {
+  std::vector<double> weights;
+  Random random(8);
+  for (int i = 0; i < 1 << 20; ++i) weights.push_back(1 + random.value());
+  const DiscreteDistribution distribution(weights);
+  std::vector<int> counts(weights.size());
+  constexpr int kNumbers = 1 << 18;  // the lowest, where floats are finer than those numbers
+  for (int i = 0; i < kNumbers; ++i) ++counts[distribution.sample(static_cast<float>(i) * 0x1p-24f).index];
+  const std::size_t last = distribution.sample(kNumbers * 0x1p-24f).index;
+  ASSERT_GT(last, 10000u);
+  for (std::size_t i = 0; i < last; ++i)
+    ASSERT_EQ(static_cast<float>(counts[i]) * 0x1p-24f, distribution.probability(i)) << i;
 }
 
 TEST(DiscreteDistribution, IsUniformWithoutWeights) {

@@ -19,7 +19,7 @@ struct Points {
   std::vector<float> u, v;
 };
 
-Points draw(const PixelSampler& sampler, std::uint32_t dimension, std::uint32_t first, int count) {
+Points draw(const PixelSampler& sampler, std::uint64_t dimension, std::uint64_t first, int count) {
   Points points{std::vector<float>(count), std::vector<float>(count)};
   sampler.points(dimension, first, count, points.u.data(), points.v.data());
   return points;
@@ -72,6 +72,20 @@ TEST(Sampler, ValuesAreBelowOne) {
         ASSERT_GE(x, 0);
         ASSERT_LE(x, kOneMinusEpsilon);
       }
+  }
+}
+
+TEST(Sampler, LargeNumbersOfSamplesAndDimensionsAreNotTheSmallOnesAgain) {
+  constexpr std::uint64_t kLarge = std::uint64_t{1} << 32;
+  for (const SamplerKind kind : kKinds) {
+    const PixelSampler sampler(kind, 42, 640, 480);
+    const Points points = draw(sampler, 7, 100, 64);
+    EXPECT_NE(points.u, draw(sampler, 7, kLarge + 100, 64).u);
+    EXPECT_NE(points.u, draw(sampler, kLarge + 7, 100, 64).u);
+    EXPECT_NE(draw(sampler, kLarge + 7, 100, 64).u, draw(sampler, 2 * kLarge + 7, 100, 64).u);
+    const Points across = draw(sampler, 7, kLarge - 3, 16);
+    for (int i = 0; i < 16; ++i)
+      EXPECT_EQ(across.u[i], draw(sampler, 7, kLarge - 3 + static_cast<std::uint64_t>(i), 1).u[0]);
   }
 }
 
