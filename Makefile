@@ -55,7 +55,7 @@ figures: build
 .PHONY: asan tsan
 asan tsan: dependencies
 	$(call build,$@)
-	LSAN_OPTIONS=print_suppressions=0:suppressions=$(CURDIR)/tests/lsan-suppressions.txt ctest --preset $@
+	ctest --preset $@
 
 .PHONY: fuzz
 fuzz:

@@ -18,7 +18,8 @@ if(ETENDUE_NATIVE)
   target_compile_options(etendue_options INTERFACE -march=native)
 endif()
 if(ETENDUE_SANITIZE)
-  target_compile_options(etendue_options INTERFACE -fsanitize=${ETENDUE_SANITIZE} -fno-omit-frame-pointer -g)
+  target_compile_options(etendue_options INTERFACE
+    -fsanitize=${ETENDUE_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g)
   target_link_options(etendue_options INTERFACE -fsanitize=${ETENDUE_SANITIZE})
 endif()
 
@@ -38,4 +39,18 @@ function(etendue_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+endfunction()
+
+# etendue_fuzzer(NAME SOURCES … LINKS ROOM): a libFuzzer program for what the room reads.
+function(etendue_fuzzer name)
+  if(NOT ETENDUE_FUZZ)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "LINKS" "SOURCES" ${ARGN})
+  # The reader itself must be instrumented too, or the fuzzer sees no coverage.
+  target_compile_options(${ARG_LINKS} PRIVATE -fsanitize=fuzzer-no-link)
+  add_executable(${name} ${ARG_SOURCES})
+  target_compile_options(${name} PRIVATE -fsanitize=fuzzer)
+  target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS})
 endfunction()

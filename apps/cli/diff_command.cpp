@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "file_names.h"
 #include "image/compare.h"
 #include "image/false_color.h"
 #include "image/flip.h"
@@ -38,7 +39,7 @@ std::string welch_table(const WelchTest& t) {
 }  // namespace
 
 int run(const DiffOptions& options) {
-  if (options.heatmap) check_writable(*options.heatmap);
+  if (options.heatmap) check_distinct({options.a, options.b}, {*options.heatmap});
   std::optional<WelchTest> welch;
   Image a, b;
   if (options.variance) {
@@ -51,6 +52,7 @@ int run(const DiffOptions& options) {
     a = read_image(options.a);
     b = read_image(options.b);
   }
+  if (options.heatmap) check_writable(*options.heatmap, a.width(), a.height());
   const PictureError error = measure_error(a, b);
   const FlipError flip = flip_error(a, b);
   write_result(error_table(error, flip.mean) + (welch ? welch_table(*welch) : ""));

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "commands.h"
+#include "file_names.h"
 #include "image/io.h"
 #include "lights/environment.h"
 #include "terminal.h"
@@ -87,7 +88,7 @@ Image cumulative_picture(const TexelDistribution& distribution) {
   return picture;
 }
 
-/// The density of sampled directions per steradian at the texels' middles: pdf_uv / (2π² sin θ).
+/// The density of sampled directions per steradian at the cells' middles: pdf_uv / (2π² sin θ).
 Image density_picture(const TexelDistribution& distribution) {
   Image picture(distribution.width(), distribution.height());
   for (int y = 0; y < picture.height(); ++y) {
@@ -105,24 +106,30 @@ double integral(const Image& density) {
   return sum;
 }
 
+std::vector<std::filesystem::path> written_files(const EnvmapOptions& options) {
+  std::vector<std::filesystem::path> files;
+  if (options.debug) files.push_back(*options.debug);
+  if (options.pdf) files.push_back(*options.pdf);
+  return files;
+}
+
 }  // namespace
 
 int run(const EnvmapOptions& options) {
-  if (options.debug) check_writable(*options.debug);
-  if (options.pdf) check_writable(*options.pdf);
+  check_distinct({options.file}, written_files(options));
   Image map = read_image(options.file);
+  for (const std::filesystem::path& file : written_files(options)) check_writable(file, map.width(), map.height());
   const MapRepairs repairs = repair_map(map);
   if (repairs.invalid > 0)
-    log_warning(fmt::format("warning: {}: {} texels were no number, infinite or negative and became black",
-                            options.file.string(), repairs.invalid));
+    log_warning(fmt::format("warning: {}: texels that were no number, infinite or negative became black ({})",
+                            options.file.string(), counted(repairs.invalid, "texel")));
   if (repairs.black)
-    log_warning(fmt::format("warning: {} holds no light; directions are sampled uniformly", options.file.string()));
+    log_warning(fmt::format("warning: {} holds no light; renders leave it out", options.file.string()));
 
   std::string text = describe(map, repairs);
-  const TexelDistribution distribution(map);
-  if (options.debug) write_picture(*options.debug, {cumulative_picture(distribution), {}, {}});
+  if (options.debug) write_picture(*options.debug, {cumulative_picture(TexelDistribution(map)), {}, {}});
   if (options.pdf) {
-    const Image density = density_picture(distribution);
+    const Image density = density_picture(TexelDistribution(lookup_means(map, MapOrientation{}.rows())));
     write_picture(*options.pdf, {density, {}, {}});
     text += fmt::format("{:<24}{:.6f}\n", "integral of the density", integral(density));
   }

@@ -25,9 +25,26 @@ std::optional<T> whole_word_as(std::string_view word) {
   return value;
 }
 
+/// "1h30m" → 5400; a number alone is of seconds. Each unit once, the larger ones first.
+std::optional<double> seconds_in(std::string_view word) {
+  static constexpr std::pair<std::string_view, double> kUnits[] = {{"h", 3600}, {"m", 60}, {"s", 1}, {"ms", 0.001}};
+  if (const std::optional<double> alone = whole_word_as<double>(word)) return alone;
+  double total = 0;
+  for (const auto& [unit, seconds] : kUnits) {
+    const std::size_t end = std::min(word.find_first_not_of("0123456789."), word.size());
+    const std::string_view rest = word.substr(end);
+    if (rest.substr(0, std::min(rest.find_first_of("0123456789."), rest.size())) != unit) continue;
+    const std::optional<double> value = whole_word_as<double>(word.substr(0, end));
+    if (!value) return std::nullopt;
+    total += *value * seconds;
+    word = rest.substr(unit.size());
+  }
+  return word.empty() ? std::optional(total) : std::nullopt;
+}
+
 template <typename T>
 std::string describe(Range<T> range) {
-  const std::string kind = std::is_integral_v<T> ? "a whole number" : "a number";
+  const char* kind = std::is_integral_v<T> ? "a whole number" : "a number";
   const bool has_min = range.min > std::numeric_limits<T>::lowest(),
              has_max = range.max < std::numeric_limits<T>::max();
   if (has_min && has_max) return fmt::format("{} from {} to {}", kind, range.min, range.max);
@@ -65,19 +82,21 @@ template std::uint64_t parse_number(std::string_view, std::string_view, Range<st
 template float parse_number(std::string_view, std::string_view, Range<float>);
 template double parse_number(std::string_view, std::string_view, Range<double>);
 
+template <typename T>
+T parse_share(std::string_view flag, std::string_view word, Range<T> range) {
+  const bool percent = word.ends_with('%');
+  const std::optional<T> number = whole_word_as<T>(percent ? word.substr(0, word.size() - 1) : word);
+  const T value = number.value_or(std::numeric_limits<T>::quiet_NaN()) / (percent ? T{100} : T{1});
+  if (!(value >= range.min && value <= range.max)) reject(flag, describe(range) + ", such as 0.02 or 2%", word);
+  return value;
+}
+template float parse_share(std::string_view, std::string_view, Range<float>);
+template double parse_share(std::string_view, std::string_view, Range<double>);
+
 double parse_duration(std::string_view flag, std::string_view word) {
-  static constexpr std::pair<std::string_view, double> kUnits[] = {{"ms", 0.001}, {"s", 1}, {"m", 60}, {"h", 3600}};
-  std::string_view number = word;
-  double unit_seconds = 1;
-  for (const auto& [unit, seconds] : kUnits)
-    if (word.ends_with(unit)) {
-      number = word.substr(0, word.size() - unit.size());
-      unit_seconds = seconds;
-      break;
-    }
-  const std::optional<double> value = whole_word_as<double>(number);
-  if (!value || !(*value > 0 && *value * unit_seconds < 1e9)) reject(flag, "a time such as 30s, 2m or 1h", word);
-  return *value * unit_seconds;
+  const std::optional<double> seconds = seconds_in(word);
+  if (!seconds || !(*seconds > 0 && *seconds < 1e9)) reject(flag, "a time such as 90s, 2m or 1h30m", word);
+  return *seconds;
 }
 
 void reject_choice(std::string_view flag, std::string_view word, std::span<const std::string_view> choices) {

@@ -31,7 +31,11 @@ Range(T, T) -> Range<T>;
 template <typename T>
 T parse_number(std::string_view flag, std::string_view word, Range<T> range);
 
-/// A span of time such as 90, 90s, 2m, 1.5h or 500ms, in seconds, above 0.
+/// A relative error: 0.02 or 2%.
+template <typename T>
+T parse_share(std::string_view flag, std::string_view word, Range<T> range);
+
+/// A span of time such as 90, 90s, 2m, 1h30m, 1.5h or 500ms, in seconds, above 0.
 double parse_duration(std::string_view flag, std::string_view word);
 
 /// Throws "FLAG needs one of …, not "WORD"; did you mean …?".

@@ -53,6 +53,63 @@ const char* kind(const scene::HemisphereLight&) {
 const char* kind(const scene::EnvironmentLight&) {
   return "environment";
 }
+const char* kind(const scene::ThinGlassMaterial&) {
+  return "thin glass";
+}
+const char* kind(const scene::RoughGlassMaterial&) {
+  return "rough glass";
+}
+const char* kind(const scene::PlasticMaterial&) {
+  return "plastic";
+}
+const char* kind(const scene::PrincipledMaterial&) {
+  return "principled";
+}
+const char* kind(const scene::PrincipledThinMaterial&) {
+  return "principled thin";
+}
+const char* kind(const scene::NullMaterial&) {
+  return "null";
+}
+const char* kind(const scene::BlendMaterial&) {
+  return "blend";
+}
+const char* kind(const scene::MaskMaterial&) {
+  return "mask";
+}
+const char* kind(const scene::TwoSidedMaterial&) {
+  return "two-sided";
+}
+const char* kind(const scene::BumpMaterial&) {
+  return "bump map";
+}
+const char* kind(const scene::NormalMapMaterial&) {
+  return "normal map";
+}
+const char* kind(const scene::ProjectorLight&) {
+  return "projector";
+}
+const char* kind(const scene::ConstantLight&) {
+  return "constant";
+}
+const char* kind(scene::Id<scene::Mesh>) {
+  return "mesh";
+}
+const char* kind(scene::Id<scene::Sphere>) {
+  return "sphere";
+}
+const char* kind(scene::Id<scene::Disk>) {
+  return "disk";
+}
+const char* kind(scene::Id<scene::Cylinder>) {
+  return "cylinder";
+}
+const char* kind(scene::Id<scene::Curves>) {
+  return "curves";
+}
+const char* kind(scene::Id<scene::Group>) {
+  return "group";
+}
 
 /// What `etendue info` says, ready to be printed either way.
 struct SceneSummary {
@@ -86,6 +143,8 @@ SceneSummary summarize(const scene::SceneDescription& scene, const RenderScene& 
   }
   for (const scene::Light& light : scene.lights)
     ++s.lights[std::visit([](const auto& source) { return kind(source); }, light.source)];
+  for (const scene::Instance& instance : scene.instances)
+    if (emits(scene, instance)) ++s.lights[std::visit([](auto id) { return kind(id); }, instance.shape)];
   s.triangles_placed = compiled.triangle_count();
   s.spheres_placed = compiled.sphere_count();
   s.bounds = compiled.bounds();
@@ -112,9 +171,12 @@ std::string as_table(const SceneSummary& s) {
   row("format", s.format + (s.uses_cgl_profile ? ", CGL profile" : ""));
   row("meshes", fmt::format("{}", s.meshes));
   row("spheres", fmt::format("{}", s.spheres));
-  row("instances", fmt::format("{} ({} triangles, {} spheres)", s.instances, s.triangles_placed, s.spheres_placed));
-  row("materials", describe(s.materials) +
-                       (s.emissive_materials > 0 ? fmt::format("; {} of them emit light", s.emissive_materials) : ""));
+  row("instances", fmt::format("{} ({}, {})", s.instances, counted(s.triangles_placed, "triangle"),
+                               counted(s.spheres_placed, "sphere")));
+  row("materials",
+      describe(s.materials) + (s.emissive_materials > 0 ? fmt::format("; {} of them emit{} light", s.emissive_materials,
+                                                                      s.emissive_materials == 1 ? "s" : "")
+                                                        : ""));
   row("textures", fmt::format("{}", s.textures));
   row("lights", describe(s.lights));
   row("cameras", fmt::format("{}; --camera-placement auto: {}", s.cameras, s.placement));

@@ -1,7 +1,5 @@
 #include "interrupt.h"
 
-#include <unistd.h>
-
 #include <atomic>
 #include <csignal>
 
@@ -12,14 +10,14 @@ std::atomic<bool> asked_to_stop = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch it");
 
 extern "C" void on_interrupt(int) {
-  if (asked_to_stop.exchange(true)) ::_exit(kInterruptedExitCode);
+  asked_to_stop = true;
 }
 
 }  // namespace
 
 void catch_interrupts() {
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP})
+    if (std::signal(number, on_interrupt) == SIG_IGN) std::signal(number, SIG_IGN);
 }
 
 bool interrupted() {

@@ -5,7 +5,8 @@ namespace etendue {
 /// The documented exit code of an interrupted program.
 inline constexpr int kInterruptedExitCode = 130;
 
-/// From now on the first SIGINT or SIGTERM only makes interrupted() true; the second ends the program at once.
+/// From now on SIGINT, SIGTERM and SIGHUP only make interrupted() true, however often they come: what is being written
+/// gets written. One that was ignored, as under nohup, stays ignored.
 void catch_interrupts();
 
 /// Whether the user asked the program to stop.

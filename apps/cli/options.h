@@ -29,6 +29,10 @@ struct RenderOptions {
   ReadOptions read;
   std::vector<std::filesystem::path> outputs;
   RenderSettings settings;
+  /// What of `settings` was asked for: the scene file has no say in it.
+  struct Given {
+    bool size = false, crop = false, samples = false, depth = false, filter = false;
+  } given;
   CompileOptions compile;
   std::optional<scene::EnvironmentLight> environment;
   bool headlight = false;

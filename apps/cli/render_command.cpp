@@ -7,11 +7,12 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/output_file.h"
 #include "base/parallel.h"
 #include "camera/settings_file.h"
 #include "commands.h"
+#include "file_names.h"
 #include "image/io.h"
-#include "image/output_file.h"
 #include "interrupt.h"
 #include "render/session.h"
 #include "render_loop.h"
@@ -39,45 +40,62 @@ fs::path rate_picture_path(const fs::path& output) {
   return output.parent_path() / (output.stem().string() + "_rate.png");
 }
 
-/// All files that a render writes.
-std::vector<fs::path> written_files(const RenderOptions& options) {
-  std::vector<fs::path> files = options.outputs;
-  if (options.settings.adaptive) {
-    std::set<fs::path> rates;
-    for (const fs::path& output : options.outputs) rates.insert(rate_picture_path(output));
-    files.insert(files.end(), rates.begin(), rates.end());
-  }
-  if (options.save_camera) files.push_back(*options.save_camera);
-  if (options.stats) files.push_back(*options.stats);
+/// Where the adaptive sampling's rates go, each file once.
+std::set<fs::path> rate_pictures(const RenderOptions& options) {
+  std::set<fs::path> files;
+  if (options.settings.adaptive)
+    for (const fs::path& output : options.outputs) files.insert(rate_picture_path(output));
   return files;
 }
 
-/// Nothing that is read may be overwritten, and nothing written twice.
-void check_distinct(const RenderOptions& options) {
-  std::vector<fs::path> read{options.scene};
-  if (options.environment) read.push_back(options.environment->file);
-  if (options.camera_file) read.push_back(*options.camera_file);
-  std::set<fs::path> taken;
-  for (const fs::path& file : read) taken.insert(fs::weakly_canonical(fs::absolute(file)));
-  for (const fs::path& file : written_files(options)) {
-    const fs::path canonical = fs::weakly_canonical(fs::absolute(file));
-    const bool is_input = std::any_of(read.begin(), read.end(), [&](const fs::path& f) { return fs::weakly_canonical(fs::absolute(f)) == canonical; });
-    if (!taken.insert(canonical).second)
-      throw Error(Failure::usage, fmt::format("{} {}", file.string(),
-                                              is_input ? "would be overwritten, but it is an input; choose another name"
-                                                       : "would be written twice; choose different names"));
-  }
+/// Whether --stats names standard output.
+bool is_standard_output(const fs::path& file) {
+  return file == "-";
+}
+
+/// The pictures that a render writes, each once.
+std::vector<fs::path> written_pictures(const RenderOptions& options) {
+  std::vector<fs::path> files = options.outputs;
+  for (const fs::path& rate : rate_pictures(options)) files.push_back(rate);
+  return files;
+}
+
+/// The other files that it writes.
+std::vector<fs::path> written_texts(const RenderOptions& options) {
+  std::vector<fs::path> files;
+  if (options.save_camera) files.push_back(*options.save_camera);
+  if (options.stats && !is_standard_output(*options.stats)) files.push_back(*options.stats);
+  return files;
+}
+
+std::vector<fs::path> written_files(const RenderOptions& options) {
+  std::vector<fs::path> files = written_pictures(options);
+  for (const fs::path& text : written_texts(options)) files.push_back(text);
+  return files;
+}
+
+std::vector<fs::path> read_files(const RenderOptions& options) {
+  std::vector<fs::path> files{options.scene};
+  if (options.environment) files.push_back(options.environment->file);
+  if (options.camera_file) files.push_back(*options.camera_file);
+  return files;
+}
+
+/// What the scene file names in turn.
+std::vector<fs::path> read_files(const scene::SceneDescription& description) {
+  std::vector<fs::path> files;
+  for (const scene::Texture& texture : description.textures)
+    if (const auto* bitmap = std::get_if<scene::BitmapTexture>(&texture.source)) files.push_back(bitmap->file);
+  for (const scene::Light& light : description.lights)
+    if (const auto* map = std::get_if<scene::EnvironmentLight>(&light.source)) files.push_back(map->file);
+  return files;
 }
 
 /// Everything that can be known to fail before the long work.
-void check_files(const RenderOptions& options) {
-  check_distinct(options);
-  for (const fs::path& output : options.outputs) {
-    check_writable(output);
-    if (options.settings.adaptive) check_writable(rate_picture_path(output));
-  }
-  if (options.save_camera) check_file_writable(*options.save_camera);
-  if (options.stats) check_file_writable(*options.stats);
+void check_files(const RenderOptions& options, const RenderStats& stats) {
+  check_distinct(read_files(options), written_files(options));
+  for (const fs::path& picture : written_pictures(options)) check_writable(picture, stats.width, stats.height);
+  for (const fs::path& text : written_texts(options)) check_file_writable(text);
   if (options.preview && !terminal_size())
     throw Error(Failure::usage, "--preview needs a terminal, and standard error is none; leave it out");
 }
@@ -87,9 +105,16 @@ bool needs_light(IntegratorKind integrator) {
          integrator == IntegratorKind::hemisphere;
 }
 
-/// "1 light", "2 lights"
-std::string counted(std::size_t count, std::string_view noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+/// A black picture is explained beforehand.
+void tell_missing_light(const RenderOptions& options, const scene::SceneDescription& description) {
+  const IntegratorKind integrator = options.settings.integrator;
+  if (!needs_light(integrator)) return;
+  if (!options.headlight && !has_light(description))
+    log_warning("warning: nothing in the scene shines, the picture will be black; add --env FILE or --headlight");
+  else if (integrator == IntegratorKind::hemisphere && !has_light_with_extent(description))
+    log_warning(
+        "warning: --hemisphere meets lights by chance, and all of this scene's are points or single directions: the "
+        "picture will be black; use --integrator direct");
 }
 
 std::string_view describe(Ending ending) {
@@ -134,12 +159,8 @@ void write_outputs(const RenderOptions& options, const RenderSession& session, c
   };
   for (const fs::path& output : options.outputs)
     attempt([&] { write_picture(output, picture, {options.exposure_stops}); });
-  if (options.settings.adaptive) {
-    const Picture rate{session.sample_rate_picture(), {}, {}};
-    std::set<fs::path> paths;
-    for (const fs::path& output : options.outputs) paths.insert(rate_picture_path(output));
-    for (const fs::path& path : paths) attempt([&] { write_picture(path, rate); });
-  }
+  for (const fs::path& path : rate_pictures(options))
+    attempt([&] { write_picture(path, {session.sample_rate_picture(), {}, {}}); });
   if (options.stats) attempt([&] { write_stats(*options.stats, stats); });
   if (failure) std::rethrow_exception(failure);
 }
@@ -147,29 +168,33 @@ void write_outputs(const RenderOptions& options, const RenderSession& session, c
 void tell_invalid_samples(const RenderProgress& progress) {
   if (progress.invalid_samples == 0) return;
   log_warning(
-      fmt::format("warning: {} samples were infinite, negative or no number and count as black (the first: {}); "
-                  "please report the scene",
-                  progress.invalid_samples, progress.first_invalid));
+      fmt::format("warning: samples that were infinite, negative or no number became black ({}, the first: {}); please "
+                  "report the scene",
+                  counted(progress.invalid_samples, "sample"), progress.first_invalid));
 }
 
 void tell_unsampled(const RenderProgress& progress, const RenderStats& stats) {
   if (progress.unsampled_pixels == 0) return;
-  const double share = static_cast<double>(progress.unsampled_pixels) / (static_cast<double>(stats.width) * stats.height);
-  log_warning(fmt::format("warning: stopped before every pixel had a sample: {:.2g} % of the picture is black", 100 * share));
+  const double share =
+      static_cast<double>(progress.unsampled_pixels) / (static_cast<double>(stats.width) * stats.height);
+  log_warning(
+      fmt::format("warning: stopped before every pixel had a sample: {:.2g} % of the picture is black", 100 * share));
 }
 
 void tell_ending(Ending ending, const RenderOptions& options, const RenderStats& stats) {
   if (ending == Ending::interrupted) {
-    const int wanted = options.settings.samples_per_pixel;
-    log_warning(fmt::format("interrupted at {:.3g}{} samples{}", stats.samples_per_pixel,
-                            wanted < kMostSamplesPerPixel ? fmt::format(" of {}", wanted) : "",
+    const auto wanted = static_cast<std::size_t>(options.settings.samples_per_pixel);
+    const std::string done = fmt::format("{:.3g}", stats.samples_per_pixel);
+    log_warning(fmt::format("interrupted at {}{}",
+                            wanted < kMostSamplesPerPixel ? fmt::format("{} of {}", done, counted(wanted, "sample"))
+                                                          : counted(done, "sample"),
                             options.outputs.empty() ? "" : "; picture written"));
   }
   std::string outputs;
   for (const fs::path& output : options.outputs) outputs += (outputs.empty() ? "" : ", ") + output.string();
-  log_info(fmt::format("{}: {} x {}, {:.4g} samples a pixel, noise {}, in {} ({}rays/s)", describe(ending), stats.width,
-                       stats.height, stats.samples_per_pixel, describe_noise(stats.noise),
-                       as_duration(stats.render_seconds),
+  log_info(fmt::format("{}: {} x {}, {} a pixel, noise {}, in {} ({}rays/s)", describe(ending), stats.width,
+                       stats.height, counted(fmt::format("{:.4g}", stats.samples_per_pixel), "sample"),
+                       describe_noise(stats.noise), as_duration(stats.render_seconds),
                        with_magnitude(static_cast<double>(stats.rays) / std::max(stats.render_seconds, 1e-9))));
   if (!outputs.empty()) log_info(fmt::format("wrote {}", outputs));
   log_debug(fmt::format("{} of processor time for rendering, at most {}B of memory", as_duration(stats.cpu_seconds),
@@ -198,17 +223,21 @@ void add_progress(RenderStats& stats, const RenderProgress& progress) {
 
 }  // namespace
 
-int run(const RenderOptions& options) {
-  check_files(options);
-  const ThreadLimit thread_limit(options.threads);
-  RenderStats stats = initial_stats(options);
+int run(const RenderOptions& asked) {
+  check_files(asked, initial_stats(asked));
+  const ThreadLimit thread_limit(asked.threads);
 
   Diagnostics diagnostics;
   DiagnosticsPrinter printer(diagnostics);
   const Clock::time_point load_start = Clock::now();
-  scene::SceneDescription description = read_description(options, diagnostics);
-  stats.load_seconds = seconds_since(load_start);
+  scene::SceneDescription description = read_description(asked, diagnostics);
+  const double load_seconds = seconds_since(load_start);
   printer.print();
+  const RenderOptions options = with_file_settings(asked, description);
+  RenderStats stats = initial_stats(options);
+  stats.load_seconds = load_seconds;
+  check_files(options, stats);
+  check_distinct(read_files(description), written_files(options));
 
   const PreparedScene prepared = prepare_scene(options, description, diagnostics);
   printer.print();
@@ -219,8 +248,7 @@ int run(const RenderOptions& options) {
   stats.lights = scene.light_count();
   log_debug(
       fmt::format("read in {}, compiled in {}", as_duration(stats.load_seconds), as_duration(stats.build_seconds)));
-  if (needs_light(options.settings.integrator) && !has_light(description))
-    log_warning("warning: nothing in the scene shines, the picture will be black; add --env FILE or --headlight");
+  tell_missing_light(options, description);
   description = {};
 
   const Camera camera = with_lens(prepared.camera, options, scene);

@@ -33,7 +33,7 @@ class Watch {
         limits_(limits),
         progress_line_(progress_line),
         render_stop_(render_stop),
-        thread_([this](std::stop_token done) { run(done); }) {}
+        thread_([this](const std::stop_token& done) { run(done); }) {}
 
   ~Watch() {
     thread_.request_stop();
@@ -51,7 +51,7 @@ class Watch {
   }
 
  private:
-  void run(std::stop_token done) {
+  void run(const std::stop_token& done) {
     Clock::time_point next_redraw = start_;
     std::unique_lock lock(mutex_);
     while (!done.stop_requested()) {

@@ -35,17 +35,22 @@ void add_output_flags(CLI::App& app, RenderFlags& f) {
                 "Brightens 8-bit pictures by this many stops (default 0)")
       ->group("Output");
   app.add_flag("--preview", o.preview, "Show the picture in the terminal while it renders")->group("Output");
-  flags::file(app, "--stats", o.stats, "Write times, rays and memory as JSON")->group("Output");
+  flags::file(app, "--stats", o.stats, "Write times, rays and memory as JSON (-: to standard output)")->group("Output");
 }
 
 void add_picture_flags(CLI::App& app, RenderFlags& f) {
   RenderSettings& s = f.options.settings;
-  flags::add(app, "-r,--resolution", {"W", "H"}, "Width and height in pixels (default 800 600)", [&s](auto words) {
-    s.width = flags::parse_number("--resolution", words[0], Range{1, kLargestSide});
-    s.height = flags::parse_number("--resolution", words[1], Range{1, kLargestSide});
-  })->group("Picture");
+  RenderOptions::Given& given = f.options.given;
+  flags::add(app, "-r,--resolution", {"W", "H"}, "Width and height in pixels, also as WxH (default: the file's, or 800 600)",
+             [&s, &given](auto words) {
+               given.size = true;
+               s.width = flags::parse_number("--resolution", words[0], Range{1, kLargestSide});
+               s.height = flags::parse_number("--resolution", words[1], Range{1, kLargestSide});
+             })
+      ->group("Picture");
   flags::add(app, "-p,--crop", {"X", "Y", "W", "H"}, "Render only this part; X Y is its upper left pixel",
-             [&s](auto words) {
+             [&s, &given](auto words) {
+               given.crop = true;
                const auto at = [&](int i, int least) {
                  return flags::parse_number("--crop", words[i], Range{least, kLargestSide});
                };
@@ -63,6 +68,15 @@ void add_picture_flags(CLI::App& app, RenderFlags& f) {
       ->group("Picture");
   app.add_flag("-H,--hemisphere", f.hemisphere, "Direct light by uniform directions (= --integrator hemisphere)")
       ->group("Picture");
+  flags::choice<scene::FilterKind>(app, "--filter", f.filter,
+                                   {{"box", scene::FilterKind::box},
+                                    {"tent", scene::FilterKind::tent},
+                                    {"gaussian", scene::FilterKind::gaussian},
+                                    {"mitchell", scene::FilterKind::mitchell},
+                                    {"catmullrom", scene::FilterKind::catmull_rom},
+                                    {"lanczos", scene::FilterKind::lanczos}},
+                                   "How samples near a pixel count towards it (default: the file's, or box)")
+      ->group("Picture");
   flags::choice<scene::Fresnel>(app, "--fresnel", f.options.compile.fresnel,
                                 {{"exact", scene::Fresnel::exact}, {"schlick", scene::Fresnel::schlick}},
                                 "Reflectance of glass, whatever the file says")
@@ -73,26 +87,28 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
   RenderOptions& o = f.options;
   RenderSettings& s = o.settings;
   flags::number(app, "-s,--spp", f.spp, Range{1, kMostSamplesPerPixel}, "N",
-                "Samples a pixel (default 64; no limit with --time-limit or --noise)")
+                "Samples a pixel (default: the file's, or 64; no limit with --time-limit or --noise)")
       ->group("Sampling");
   flags::number(app, "-l,--light-samples", s.light_samples, Range{0, 65536}, "N",
                 "Samples of every light at every hit (default 0: one sample of one light)")
       ->group("Sampling");
   flags::add(
-      app, "-m,--max-depth", {"N|unlimited"}, "Bounces: 0 emitted light only, 1 direct light (default unlimited)",
-      [&s](auto words) {
+      app, "-m,--max-depth", {"N|unlimited"},
+      "Bounces: 0 emitted light only, 1 direct light (default: the file's, or unlimited)",
+      [&o, &s](auto words) {
+        o.given.depth = true;
         s.max_depth = words[0] == "unlimited" ? kUnlimitedDepth
                                               : flags::parse_number("--max-depth", words[0], Range{0, kUnlimitedDepth});
       })
       ->group("Sampling");
-  flags::add(app, "-a,--adaptive", {"N", "TOL"},
-             "Every N samples, stop pixels whose 95 % interval is within TOL of their mean (0: off, the default); "
-             "also writes NAME_rate.png",
-             [&f](auto words) {
-               f.adaptive =
-                   AdaptiveSampling{flags::parse_number("--adaptive", words[0], Range{1, kMostSamplesPerPixel}),
-                                    flags::parse_number("--adaptive", words[1], Range{0.0f, kHuge})};
-             })
+  flags::add(
+      app, "-a,--adaptive", {"N", "TOL"},
+      "Every N samples, stop pixels whose 95 % interval is within TOL of their mean (0.05 or 5%; 0: off, the default); "
+      "also writes NAME_rate.png",
+      [&f](auto words) {
+        f.adaptive = AdaptiveSampling{flags::parse_number("--adaptive", words[0], Range{1, kMostSamplesPerPixel}),
+                                      flags::parse_share("--adaptive", words[1], Range{0.0f, kHuge})};
+      })
       ->group("Sampling");
   flags::choice<SamplerKind>(app, "--sampler", s.sampler,
                              {{"sobol", SamplerKind::sobol}, {"independent", SamplerKind::independent}},
@@ -101,11 +117,13 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
   flags::number(app, "--seed", s.seed, Range<std::uint64_t>{0, std::numeric_limits<std::uint64_t>::max()}, "N",
                 "Another seed is another noise (default 0)")
       ->group("Sampling");
-  flags::add(app, "--time-limit", {"TIME"}, "Stop rendering after 30s, 2m, 1h …", [&o](auto words) {
+  flags::add(app, "--time-limit", {"TIME"}, "Stop rendering after 90s, 2m, 1h30m …", [&o](auto words) {
     o.time_limit_seconds = flags::parse_duration("--time-limit", words[0]);
   })->group("Sampling");
-  flags::number(app, "--noise", o.noise_target, Range{1e-6, 1.0}, "X",
-                "Stop when the estimated relative error is X, such as 0.02")
+  flags::add(app, "--noise", {"X"}, "Stop when the estimated relative error is X, such as 0.02 or 2%",
+             [&o](auto words) {
+               o.noise_target = flags::parse_share("--noise", words[0], Range{1e-6, 1.0});
+             })
       ->group("Sampling");
 }
 
@@ -198,9 +216,22 @@ void check_camera(const RenderFlags& f) {
   if (o.blades == 1 || o.blades == 2) fail("--blades needs 3 or more (0: a round aperture)");
   if (o.focus_at && o.focal_distance) fail("--focus-at and --focal-distance both say what is sharp; give one of them");
   if (o.camera_file && f.placement) fail("--camera and --camera-placement both place the camera; give one of them");
-  if (o.focus_at && (o.focus_at->x >= o.settings.width || o.focus_at->y >= o.settings.height))
-    fail(fmt::format("--focus-at {},{} lies outside the picture of {} x {} pixels", o.focus_at->x, o.focus_at->y,
-                     o.settings.width, o.settings.height));
+}
+
+scene::ReconstructionFilter standard_filter(scene::FilterKind kind) {
+  switch (kind) {
+    case scene::FilterKind::box:
+      return {kind, 0.5f};
+    case scene::FilterKind::tent:
+      return {kind, 1};
+    case scene::FilterKind::lanczos:
+      return {kind, 3};
+    case scene::FilterKind::gaussian:
+    case scene::FilterKind::mitchell:
+    case scene::FilterKind::catmull_rom:
+      break;
+  }
+  return {kind, 2};
 }
 
 std::optional<scene::EnvironmentLight> environment_of(const RenderFlags& f) {
@@ -228,17 +259,27 @@ void add_render_flags(CLI::App& app, RenderFlags& f) {
   add_machine_flags(app, f);
 }
 
+void check_picture(const RenderOptions& o) {
+  check_size(o.settings);
+  if (o.focus_at && (o.focus_at->x >= o.settings.width || o.focus_at->y >= o.settings.height))
+    fail(fmt::format("--focus-at {},{} lies outside the picture of {} x {} pixels", o.focus_at->x, o.focus_at->y,
+                     o.settings.width, o.settings.height));
+}
+
 RenderOptions settled(const RenderFlags& f) {
   RenderOptions o = f.options;
   if (o.scene.empty()) fail("render needs a scene: etendue render SCENE -o FILE");
   if (o.outputs.empty() && !o.preview) fail("render needs a place for the picture: add -o FILE.png (or .exr)");
-  check_size(o.settings);
   check_camera(f);
   if (f.hemisphere && f.integrator) fail("--hemisphere and --integrator both say what to compute; give one of them");
   o.settings.integrator = f.hemisphere ? IntegratorKind::hemisphere : f.integrator.value_or(IntegratorKind::path);
   if (f.adaptive && f.adaptive->tolerance > 0) o.settings.adaptive = f.adaptive;
   const bool ends_otherwise = o.time_limit_seconds || o.noise_target;
   o.settings.samples_per_pixel = f.spp.value_or(ends_otherwise ? kMostSamplesPerPixel : o.settings.samples_per_pixel);
+  o.given.samples = f.spp || ends_otherwise;
+  o.given.filter = f.filter.has_value();
+  if (f.filter) o.settings.filter = standard_filter(*f.filter);
+  if (o.given.size) check_picture(o);
   o.environment = environment_of(f);
   o.placement = f.placement.value_or(CameraPlacement::automatic);
   return o;

@@ -13,6 +13,7 @@ struct RenderFlags {
   std::optional<int> spp;
   std::optional<AdaptiveSampling> adaptive;
   std::optional<IntegratorKind> integrator;
+  std::optional<scene::FilterKind> filter;
   bool hemisphere = false;
   std::optional<std::filesystem::path> env;
   std::optional<float> env_intensity, env_rotation_deg;
@@ -22,6 +23,9 @@ struct RenderFlags {
 
 /// Declares the flags; `flags` has to outlive the parse.
 void add_render_flags(CLI::App& app, RenderFlags& flags);
+
+/// Whether a picture of this size can be made, and what the flags point at lies within it. Throws Error(Failure::usage).
+void check_picture(const RenderOptions& options);
 
 /// What the flags mean together. Throws Error(Failure::usage) where they contradict each other.
 RenderOptions settled(const RenderFlags& flags);

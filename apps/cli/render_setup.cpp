@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "camera/settings_file.h"
 #include "formats/formats.h"
+#include "render_options.h"
 
 namespace etendue {
 namespace {
@@ -42,14 +43,41 @@ scene::SceneDescription read_description(const RenderOptions& options, Diagnosti
   return description;
 }
 
-PreparedScene prepare_scene(const RenderOptions& options, scene::SceneDescription& description,
-                            Diagnostics& diagnostics) {
-  if (options.headlight) {  // it stands at the camera, which is placed by the scene's bounds
-    Diagnostics told_below;
-    const Bounds3 bounds = compile(description, options.compile, told_below).bounds();
-    description.lights.push_back(headlight(placed_camera(options, description, bounds, told_below), bounds));
+RenderOptions with_file_settings(RenderOptions options, const scene::SceneDescription& description) {
+  RenderSettings& s = options.settings;
+  const RenderOptions::Given& given = options.given;
+  const scene::RenderHints& hints = description.hints;
+  const bool uses_file_camera = options.placement != CameraPlacement::fit && !options.camera_file;
+  if (uses_file_camera && !description.cameras.empty()) {
+    const scene::Film& film = description.cameras.front().film;
+    if (film.width > 0 && film.height > 0 && !given.size) {
+      s.width = film.width;
+      s.height = film.height;
+      if (film.crop && !given.crop) {
+        const auto& [x, y, width, height] = *film.crop;
+        s.crop = CropWindow{x, y, width, height};
+      }
+    }
+    if (film.filter && !given.filter) s.filter = *film.filter;
   }
-  RenderScene scene = compile(description, options.compile, diagnostics);
+  if (hints.samples_per_pixel && !given.samples)
+    s.samples_per_pixel = std::clamp(*hints.samples_per_pixel, 1, kMostSamplesPerPixel);
+  if (hints.max_depth && !given.depth) s.max_depth = *hints.max_depth;
+  s.null_counts_as_bounce = hints.null_counts_as_bounce;
+  s.hide_emitters = hints.hide_emitters;
+  check_picture(options);
+  return options;
+}
+
+PreparedScene prepare_scene(const RenderOptions& options, const scene::SceneDescription& description,
+                            Diagnostics& diagnostics) {
+  CompileOptions compile_options = options.compile;
+  if (options.headlight)
+    compile_options.light_for = [&](const Bounds3& bounds) {
+      Diagnostics told_below;
+      return headlight(placed_camera(options, description, bounds, told_below), bounds);
+    };
+  RenderScene scene = compile(description, compile_options, diagnostics);
   Camera camera = placed_camera(options, description, scene.bounds(), diagnostics);
   return {std::move(scene), camera};
 }
@@ -69,7 +97,7 @@ Camera with_lens(Camera camera, const RenderOptions& options, const RenderScene&
           fmt::format("--focus-at {},{} shows no surface; choose a pixel that does, or give --focal-distance", x, y));
     camera.focal_distance = *depth;
     log_info(fmt::format("focus: {:.4g}, what pixel {},{} shows", *depth, x, y));
-  } else if (camera.lens_radius > 0 && !options.camera_file) {
+  } else if (camera.lens_radius > 0 && (options.lens_radius || camera.focal_distance <= 0) && !options.camera_file) {
     const float depth = project(camera, scene.bounds().center()).distance;
     if (depth <= 0)
       throw Error(Failure::usage,

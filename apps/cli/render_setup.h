@@ -9,14 +9,18 @@ namespace etendue {
 /// The scene file with the environment map that was asked for. Throws Error(Failure::input).
 scene::SceneDescription read_description(const RenderOptions& options, Diagnostics& diagnostics);
 
+/// The options with what the file asks of its picture, where they left that open. Throws Error(Failure::usage) if such a
+/// picture cannot be made.
+RenderOptions with_file_settings(RenderOptions options, const scene::SceneDescription& description);
+
 /// A compiled scene and where its picture is taken from.
 struct PreparedScene {
   RenderScene scene;
   Camera camera;  ///< without the lens that was asked for
 };
 
-/// Compiles the description, after adding the headlight if one was asked for.
-PreparedScene prepare_scene(const RenderOptions& options, scene::SceneDescription& description,
+/// Compiles the description, with the headlight if one was asked for.
+PreparedScene prepare_scene(const RenderOptions& options, const scene::SceneDescription& description,
                             Diagnostics& diagnostics);
 
 /// The camera with the aperture and the focus that were asked for. Throws Error(Failure::usage) if there is nothing to

@@ -20,7 +20,14 @@ class DiagnosticsPrinter {
   std::size_t printed_ = 0;
 };
 
+/// Whether the instance's surface shines.
+bool emits(const scene::SceneDescription& scene, const scene::Instance& instance);
+
 /// Whether anything in the scene shines.
 bool has_light(const scene::SceneDescription& scene);
+
+/// Whether anything that shines fills a solid angle, so that a ray can meet it by chance: not a point, a spot or a
+/// single direction.
+bool has_light_with_extent(const scene::SceneDescription& scene);
 
 }  // namespace etendue

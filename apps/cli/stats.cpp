@@ -5,7 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "image/output_file.h"
+#include "base/output_file.h"
+#include "terminal.h"
 
 namespace etendue {
 namespace {
@@ -55,7 +56,10 @@ void write_stats(const std::filesystem::path& path, const RenderStats& s) {
       {"peak_memory_bytes", peak_memory_bytes()},
   };
   const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
-  write_whole_file(path, std::as_bytes(std::span(text)));
+  if (path == "-")
+    write_result(text);
+  else
+    write_whole_file(path, std::as_bytes(std::span(text)));
 }
 
 }  // namespace etendue

@@ -29,7 +29,7 @@ double process_cpu_seconds();
 /// The most memory that this process ever held.
 std::uint64_t peak_memory_bytes();
 
-/// Writes the numbers as one JSON object. Throws Error(Failure::output).
+/// Writes the numbers as one JSON object, to standard output if the path is "-". Throws Error(Failure::output).
 void write_stats(const std::filesystem::path& path, const RenderStats& stats);
 
 }  // namespace etendue

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <system_error>
 
 #include "base/error.h"
@@ -14,7 +15,8 @@
 namespace etendue {
 
 std::optional<TerminalSize> terminal_size() {
-  if (!::isatty(STDERR_FILENO)) return std::nullopt;
+  const char* const kind = std::getenv("TERM");
+  if (!::isatty(STDERR_FILENO) || (kind && std::string_view(kind) == "dumb")) return std::nullopt;
   winsize size{};
   if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_row == 0)
     return TerminalSize{80, 24};
@@ -32,6 +34,14 @@ void write_result(std::string_view text) {
   if (written || errno == EPIPE) return;
   throw Error(Failure::output, fmt::format("cannot write to standard output: {}",
                                            std::error_code(errno, std::generic_category()).message()));
+}
+
+std::string counted(std::string_view number, std::string_view noun) {
+  return fmt::format("{} {}{}", number, noun, number == "1" ? "" : "s");
+}
+
+std::string counted(std::size_t number, std::string_view noun) {
+  return counted(std::to_string(number), noun);
 }
 
 std::string with_magnitude(double value) {

@@ -1,7 +1,6 @@
 #include "camera/settings_file.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <array>
 #include <charconv>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/output_file.h"
 
 namespace etendue {
 namespace {
@@ -72,7 +72,7 @@ struct Number {
 /// The numbers of a settings file, and its errors in the user's words.
 class Settings {
  public:
-  explicit Settings(const std::filesystem::path& path) : path_(path) { parse(read()); }
+  Settings(std::string_view text, const std::filesystem::path& path) : path_(path) { parse(text); }
 
   bool has(std::size_t field) const { return field < numbers_.size(); }
   double operator[](std::size_t field) const { return numbers_[field].value; }
@@ -92,22 +92,7 @@ class Settings {
     throw Error(Failure::input, fmt::format("{}:{}:{}: error: {}", path_.string(), line, column, message));
   }
 
-  std::string read() const {
-    std::error_code ignored;
-    std::ifstream file(path_, std::ios::binary);
-    if (!file || std::filesystem::is_directory(path_, ignored))
-      throw Error(Failure::input, fmt::format("cannot read the camera settings {}: {}", path_.string(),
-                                              std::error_code(errno, std::generic_category()).message()));
-    std::string text(kMaxBytes + 1, '\0');
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(file.gcount()));
-    if (text.size() > kMaxBytes)
-      throw Error(Failure::input, fmt::format("{} is no camera settings file: it is far longer than {} numbers",
-                                              path_.string(), +field_count));
-    return text;
-  }
-
-  void parse(const std::string& text) {
+  void parse(std::string_view text) {
     std::size_t line = 1, line_start = 0, i = 0;
     while (i < text.size()) {
       if (text[i] == '\n') {
@@ -118,7 +103,7 @@ class Settings {
       } else {
         const std::size_t begin = i;
         while (i < text.size() && !is_space(text[i])) ++i;
-        add(std::string_view(text).substr(begin, i - begin), line, begin - line_start + 1);
+        add(text.substr(begin, i - begin), line, begin - line_start + 1);
       }
     }
     if (numbers_.size() != focal_distance && numbers_.size() != field_count)
@@ -153,6 +138,21 @@ class Settings {
   std::vector<Number> numbers_;
 };
 
+std::string read(const std::filesystem::path& path) {
+  std::error_code ignored;
+  std::ifstream file(path, std::ios::binary);
+  if (!file || std::filesystem::is_directory(path, ignored))
+    throw Error(Failure::input, fmt::format("cannot read the camera settings {}: {}", path.string(),
+                                            std::error_code(errno, std::generic_category()).message()));
+  std::string text(kMaxBytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > kMaxBytes)
+    throw Error(Failure::input, fmt::format("{} is no camera settings file: it is far longer than {} numbers",
+                                            path.string(), +field_count));
+  return text;
+}
+
 /// Finite, and small enough for a float.
 bool is_ordinary(double value) {
   return std::abs(value) < 1e30;
@@ -160,7 +160,7 @@ bool is_ordinary(double value) {
 
 void check(const Settings& s) {
   for (const std::size_t fov : {h_fov, v_fov})
-    s.require(s[fov] > 0 && s[fov] < 180, fov, "an angle between 0 and 180 degrees is needed");
+    s.require(s[fov] >= 0.001 && s[fov] < 180, fov, "an angle between 0.001 and 180 degrees is needed");
   s.require(s[aspect] > 0 && is_ordinary(s[aspect]), aspect, "it has to be above 0");
   s.require(s[near_distance] >= 0 && is_ordinary(s[near_distance]), near_distance, "a distance of 0 or more is needed");
   s.require(s[far_distance] == 0 || s[far_distance] > s[near_distance], far_distance,
@@ -207,7 +207,11 @@ std::string format_settings(const Camera& camera, const Point3& target, int widt
 }  // namespace
 
 Camera read_camera_settings(const std::filesystem::path& path, int width, int height) {
-  const Settings s(path);
+  return parse_camera_settings(read(path), path, width, height);
+}
+
+Camera parse_camera_settings(std::string_view text, const std::filesystem::path& path, int width, int height) {
+  const Settings s(text, path);
   check(s);
   const auto tan_half = [&](Field fov) { return std::tan(s[fov] * std::numbers::pi / 360); };
   const double picture_aspect = static_cast<double>(width) / height;
@@ -227,19 +231,8 @@ Camera read_camera_settings(const std::filesystem::path& path, int width, int he
 
 void write_camera_settings(const std::filesystem::path& path, const Camera& camera, const Point3& target, int width,
                            int height) {
-  const std::filesystem::path temporary = path.string() + fmt::format(".{}.tmp", ::getpid());
-  std::error_code failure;
-  {
-    std::ofstream file(temporary, std::ios::binary);
-    file << format_settings(camera, target, width, height) << std::flush;
-    if (!file) failure = std::error_code(errno, std::generic_category());
-  }
-  if (!failure) std::filesystem::rename(temporary, path, failure);
-  if (!failure) return;
-  std::error_code ignored;
-  std::filesystem::remove(temporary, ignored);
-  throw Error(Failure::output,
-              fmt::format("cannot write the camera settings {}: {}", path.string(), failure.message()));
+  const std::string text = format_settings(camera, target, width, height);
+  write_whole_file(path, std::as_bytes(std::span(text)));
 }
 
 }  // namespace etendue

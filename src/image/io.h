@@ -27,12 +27,14 @@ struct ToneMapping {
 /// Writes `picture` in the format that the extension names: .png .jpg .jpeg (8 bit sRGB), .tif .tiff .exr (float; EXR
 /// with all named channels and metadata), .hdr (Radiance RGBE). The file appears whole or not at all: it is written
 /// under a temporary name in the same folder, flushed, and renamed. Throws Error(Failure::output) naming the file, the
-/// reason and the remedy; Error(Failure::usage) for an extension it does not know.
+/// reason and the remedy; Error(Failure::usage) for an extension it does not know and a picture too large for its
+/// format.
 void write_picture(const std::filesystem::path& path, const Picture& picture, const ToneMapping& tone = {});
 
-/// Throws what write_picture would throw for a bad extension, a missing folder or one that cannot be written to: called
-/// before a long render, so that nobody learns it afterwards.
-void check_writable(const std::filesystem::path& path);
+/// Throws what write_picture would throw for a bad extension, a picture of width × height pixels that its format cannot
+/// hold, a missing folder or one that cannot be written to: called before a long render, so that nobody learns it
+/// afterwards.
+void check_writable(const std::filesystem::path& path, int width, int height);
 
 /// The sRGB transfer curve and its inverse, one channel.
 float linear_to_srgb(float linear);

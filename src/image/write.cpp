@@ -7,12 +7,13 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 
 #include "base/error.h"
+#include "base/output_file.h"
 #include "image/io.h"
-#include "image/output_file.h"
 
 namespace etendue {
 namespace {
@@ -20,17 +21,22 @@ namespace {
 struct Format {
   std::string_view extension;
   const char* encoder;  ///< OpenImageIO's name
+  int longest_side = std::numeric_limits<int>::max();
 };
 
-constexpr std::array kFormats = {Format{".png", "png"},  Format{".jpg", "jpeg"},  Format{".jpeg", "jpeg"},
-                                 Format{".tif", "tiff"}, Format{".tiff", "tiff"}, Format{".exr", "openexr"},
+/// libjpeg ends the process on more than this, so it must not be asked.
+constexpr int kLongestJpegSide = 65500;
+
+constexpr std::array kFormats = {Format{".png", "png"},
+                                 Format{".jpg", "jpeg", kLongestJpegSide},
+                                 Format{".jpeg", "jpeg", kLongestJpegSide},
+                                 Format{".tif", "tiff"},
+                                 Format{".tiff", "tiff"},
+                                 Format{".exr", "openexr"},
                                  Format{".hdr", "hdr"}};
 
 /// The brightest value that an RGBE pixel's exponent byte can hold.
 constexpr float kBrightestRgbe = 0x1.fep126f;
-
-/// libjpeg ends the process on more than this, so it must not be asked.
-constexpr int kLongestJpegSide = 65500;
 
 const Format& format_of(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -41,6 +47,17 @@ const Format& format_of(const std::filesystem::path& path) {
   for (const Format& format : kFormats) known += fmt::format(" {}", format.extension);
   throw Error(Failure::usage, fmt::format("cannot write {}: the ending of its name says no format; choose one of{}",
                                           path.string(), known));
+}
+
+/// The format for a picture of this size. Throws Error(Failure::usage).
+const Format& format_for(const std::filesystem::path& path, int width, int height) {
+  const Format& format = format_of(path);
+  if (std::max(width, height) > format.longest_side)
+    throw Error(Failure::usage,
+                fmt::format("cannot write {}: the picture has {} x {} pixels, and a {} at most {} a side; choose "
+                            "another format",
+                            path.string(), width, height, format.extension, format.longest_side));
+  return format;
 }
 
 /// Limits a value to [0, most]; NaN becomes 0.
@@ -138,8 +155,6 @@ void write_encoded(const std::filesystem::path& path, const Format& format, cons
     spec.attribute("oiio:ColorSpace", "sRGB");
   }
   if (name == "jpeg") {
-    if (std::max(image.width(), image.height()) > kLongestJpegSide)
-      throw std::runtime_error(fmt::format("its sides can have {} pixels at most", kLongestJpegSide));
     spec.attribute("Compression", "jpeg:95");
     spec.attribute("jpeg:subsampling", "4:4:4");
   }
@@ -166,7 +181,7 @@ void require_consistent(const Picture& picture) {
 }  // namespace
 
 void write_picture(const std::filesystem::path& path, const Picture& picture, const ToneMapping& tone) {
-  const Format& format = format_of(path);
+  const Format& format = format_for(path, picture.beauty.width(), picture.beauty.height());
   require_consistent(picture);
   try {
     write_encoded(path, format, picture, tone);
@@ -178,8 +193,8 @@ void write_picture(const std::filesystem::path& path, const Picture& picture, co
   }
 }
 
-void check_writable(const std::filesystem::path& path) {
-  format_of(path);
+void check_writable(const std::filesystem::path& path, int width, int height) {
+  format_for(path, width, height);
   check_file_writable(path);
 }
 

@@ -48,11 +48,30 @@ TexelDistribution::TexelDistribution(const Image& map)
 }
 
 TexelDistribution::Sample TexelDistribution::sample(Vec2 u) const {
-  const CumulativeRows::Interval row = row_cdf_.find(0, u.y), column = column_cdf_.find(row.index, u.x);
-  const float x = (static_cast<float>(column.index) + column.remapped(u.x)) / static_cast<float>(width_);
-  const float y = (static_cast<float>(row.index) + row.remapped(u.y)) / static_cast<float>(height_);
-  return {{std::min(x, kOneMinusEpsilon), std::min(y, kOneMinusEpsilon)},
-          row.width() * column.width() * static_cast<float>(width_) * static_cast<float>(height_)};
+  Sample found;
+  sample(std::span(&u, 1), std::span(&found, 1));
+  return found;
+}
+
+void TexelDistribution::sample(std::span<const Vec2> u, std::span<Sample> samples) const {
+  const std::size_t n = samples.size();
+  int row_index[kMostAtOnce] = {};
+  float ux[kMostAtOnce], uy[kMostAtOnce];
+  CumulativeRows::Interval rows[kMostAtOnce], columns[kMostAtOnce];
+  for (std::size_t i = 0; i < n; ++i) {
+    ux[i] = u[i].x;
+    uy[i] = u[i].y;
+  }
+  row_cdf_.find(std::span(row_index, n), std::span(uy, n), std::span(rows, n));
+  for (std::size_t i = 0; i < n; ++i) row_index[i] = rows[i].index;
+  column_cdf_.find(std::span(row_index, n), std::span(ux, n), std::span(columns, n));
+  const auto width = static_cast<float>(width_), height = static_cast<float>(height_);
+  for (std::size_t i = 0; i < n; ++i) {
+    const float x = (static_cast<float>(columns[i].index) + columns[i].remapped(ux[i])) / width;
+    const float y = (static_cast<float>(rows[i].index) + rows[i].remapped(uy[i])) / height;
+    samples[i] = {{std::min(x, kOneMinusEpsilon), std::min(y, kOneMinusEpsilon)},
+                  rows[i].width() * columns[i].width() * width * height};
+  }
 }
 
 float TexelDistribution::pdf(Vec2 uv) const {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "image/image.h"
 #include "math/spectrum.h"
 #include "math/transform.h"
@@ -21,6 +23,9 @@ class TexelDistribution {
     float pdf;  ///< per unit area of the uv square; integrates to 1
   };
   Sample sample(Vec2 u) const;
+  /// samples[i] for u[i], at most kMostAtOnce: they wait for memory together.
+  static constexpr int kMostAtOnce = 16;
+  void sample(std::span<const Vec2> u, std::span<Sample> samples) const;
   float pdf(Vec2 uv) const;
 
   int width() const { return width_; }

@@ -46,23 +46,45 @@ float UniformLight::power(const Bounds3& scene) const {
 }
 
 std::optional<LightSample> EnvironmentLight::sample(const Point3&, Vec2 u, float) const {
-  if (!importance) {
-    const Vec3 w = sample_sphere_uniform(u);
-    return LightSample{to_world(w), kInfinity, look_locally(w).radiance, sphere_uniform_pdf()};
-  }
-  const TexelDistribution::Sample texel = distribution.sample(u);
-  const Vec3 w = uv_to_direction(orientation, texel.uv);
-  const float pdf = uv_to_solid_angle(texel.pdf, w);
-  if (!(pdf > 0)) return std::nullopt;
-  return LightSample{to_world(w), kInfinity, lookup_bilinear(map, texel.uv, orientation.rows()) * intensity, pdf};
+  std::optional<LightSample> found;
+  sample(std::span(&u, 1), std::span(&found, 1));
+  return found;
 }
 
-InfiniteView EnvironmentLight::look(const Vec3& wi) const { return look_locally(turned ? axes.to_local(wi) : wi); }
+void EnvironmentLight::sample(std::span<const Vec2> u, std::span<std::optional<LightSample>> samples) const {
+  if (!importance) {
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const Vec3 w = sample_sphere_uniform(u[i]);
+      samples[i] = LightSample{w, kInfinity, look(w).radiance, sphere_uniform_pdf()};
+    }
+    return;
+  }
+  TexelDistribution::Sample texels[TexelDistribution::kMostAtOnce];
+  Spectrum radiance[TexelDistribution::kMostAtOnce];
+  distribution.sample(u, std::span(texels, samples.size()));
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    radiance[i] = lookup_bilinear(map, texels[i].uv, orientation.rows()) * intensity;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Vec3 w = uv_to_direction(orientation, texels[i].uv);
+    const float pdf = uv_to_solid_angle(texels[i].pdf, w);
+    samples[i].reset();
+    if (pdf > 0) samples[i] = LightSample{to_world(w), kInfinity, radiance[i], pdf};
+  }
+}
 
-InfiniteView EnvironmentLight::look_locally(const Vec3& wi) const {
-  const Vec2 uv = direction_to_uv(orientation, wi);
-  const float pdf = importance ? uv_to_solid_angle(distribution.pdf(uv), wi) : sphere_uniform_pdf();
-  return {lookup_bilinear(map, uv, orientation.rows()) * intensity, pdf};
+InfiniteView EnvironmentLight::look(const Vec3& wi) const {
+  InfiniteView view;
+  look(std::span(&wi, 1), std::span(&view, 1));
+  return view;
+}
+
+void EnvironmentLight::look(std::span<const Vec3> wi, std::span<InfiniteView> views) const {
+  Vec2 uv[TexelDistribution::kMostAtOnce];
+  for (std::size_t i = 0; i < views.size(); ++i) uv[i] = direction_to_uv(orientation, to_local(wi[i]));
+  for (std::size_t i = 0; i < views.size(); ++i)
+    views[i].radiance = lookup_bilinear(map, uv[i], orientation.rows()) * intensity;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    views[i].pdf = importance ? uv_to_solid_angle(distribution.pdf(uv[i]), to_local(wi[i])) : sphere_uniform_pdf();
 }
 
 float EnvironmentLight::power(const Bounds3& scene) const {

@@ -28,6 +28,22 @@ std::optional<LightSample> sample_light(const Light& light, const Point3& from, 
   return std::visit([&](const auto& l) { return l.sample(from, u, choice); }, light);
 }
 
+void sample_light(const Light& light, std::span<const Point3> from, std::span<const Vec2> u,
+                  std::span<const float> choice, std::span<std::optional<LightSample>> samples) {
+  std::visit(
+      [&]<typename T>(const T& l) {
+        if constexpr (std::is_same_v<T, EnvironmentLight>)
+          l.sample(u, samples);
+        else
+          for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = l.sample(from[i], u[i], choice[i]);
+      },
+      light);
+}
+
+bool has_parts(const Light& light) {
+  return std::holds_alternative<MeshLight>(light) || std::holds_alternative<TexturedMeshLight>(light);
+}
+
 float light_pdf(const Light& light, const Point3& from, const LightHit& hit) {
   return std::visit(
       [&]<typename T>(const T& l) {
@@ -48,6 +64,11 @@ InfiniteView look_at_infinity(const Light& light, const Vec3& wi) {
           return InfiniteView{};
       },
       light);
+}
+
+void look_at_infinity(const Light& light, std::span<const Vec3> wi, std::span<InfiniteView> views) {
+  if (const auto* environment = std::get_if<EnvironmentLight>(&light)) return environment->look(wi, views);
+  for (std::size_t i = 0; i < views.size(); ++i) views[i] = look_at_infinity(light, wi[i]);
 }
 
 bool is_infinite(const Light& light) {

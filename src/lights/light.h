@@ -3,6 +3,7 @@
 #include <concepts>
 #include <memory>
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -217,12 +218,14 @@ struct EnvironmentLight {
   bool turned = false;                         ///< the axes are not the world's
 
   std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  void sample(std::span<const Vec2> u, std::span<std::optional<LightSample>> samples) const;
   InfiniteView look(const Vec3& wi) const;
+  void look(std::span<const Vec3> wi, std::span<InfiniteView> views) const;
   float power(const Bounds3& scene) const;
 
  private:
-  InfiniteView look_locally(const Vec3& wi) const;
-  Vec3 to_world(const Vec3& local) const { return turned ? axes.to_world(local) : local; }
+  Vec3 to_local(const Vec3& w) const { return turned ? axes.to_local(w) : w; }
+  Vec3 to_world(const Vec3& w) const { return turned ? axes.to_world(w) : w; }
 };
 
 /// The one list of lights.
@@ -231,10 +234,18 @@ using Light = std::variant<PointLight, SpotLight, ProjectorLight, DirectionalLig
 
 /// A way to shine on `from`, with probability density `pdf`. Nothing if the light cannot be seen from there.
 std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u, float choice);
+/// The same for many points, samples[i] from from[i] by u[i] and choice[i]; at most 16: those of an environment wait
+/// for memory together.
+void sample_light(const Light& light, std::span<const Point3> from, std::span<const Vec2> u,
+                  std::span<const float> choice, std::span<std::optional<LightSample>> samples);
+/// Whether `choice` matters.
+bool has_parts(const Light& light);
 /// Density with which sample_light gives the direction to a point of a finite light; 0 for lights without surface.
 float light_pdf(const Light& light, const Point3& from, const LightHit& hit);
 /// What is seen of an infinite light along wi; black with density 0 for lights that are not at infinity.
 InfiniteView look_at_infinity(const Light& light, const Vec3& wi);
+/// The same along many directions, at most 16: they wait for memory together.
+void look_at_infinity(const Light& light, std::span<const Vec3> wi, std::span<InfiniteView> views);
 bool is_infinite(const Light& light);
 bool is_delta(const Light& light);
 /// Emitted flux in W, roughly.

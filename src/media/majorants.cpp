@@ -31,6 +31,12 @@ MajorantGrid::MajorantGrid(const Volume& volume, float scale, float ceiling) : b
       }
 }
 
+bool MajorantGrid::contains(const Point3& p) const {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(p[axis] >= bounds_.min[axis] && p[axis] <= bounds_.max[axis])) return false;
+  return true;
+}
+
 MajorantGrid::Interval MajorantGrid::clip(const Ray& ray) const {
   Interval inside{ray.t_min, ray.t_max};
   for (int axis = 0; axis < 3; ++axis) {

@@ -18,6 +18,8 @@ class MajorantGrid {
   /// Of the volume's values times `scale`, brought into [0, ceiling].
   MajorantGrid(const Volume& volume, float scale, float ceiling);
 
+  bool contains(const Point3& p) const;
+
   /// Calls visit(t0, t1, range) for the cells that `ray` passes between its t_min and t_max, one after the other
   /// (Amanatides and Woo 1987), until it returns false. Nothing is outside the bounds.
   template <typename Visit>

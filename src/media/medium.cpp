@@ -140,8 +140,10 @@ Medium::Medium(Volume sigma_t, float scale, Volume albedo, const Phase& phase)
 }
 
 Spectrum Medium::extinction(const Point3& world) const {
+  if (!is_homogeneous() && !majorants_.contains(world)) return Spectrum(0);
   return clamped(sigma_t_.lookup(world) * scale_, 0, max_extinction_);
 }
+
 Spectrum Medium::albedo(const Point3& world) const {
   return clamped(albedo_.lookup(world), 0, 1);
 }

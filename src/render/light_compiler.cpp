@@ -191,8 +191,8 @@ void LightCompiler::choose_by_power() {
     power.push_back(light_power(light, data_.geometry.bounds()));
     total += power.back();
   }
-  // A quarter of the choices ignores power: a weak light may be the only one that matters where it stands.
-  for (double& p : power) p = 0.75 * p + 0.25 * total / static_cast<double>(power.size());
+  // Half of the choices ignore power: a weak light may be the only one that matters where it stands.
+  for (double& p : power) p = 0.5 * p + 0.5 * total / static_cast<double>(power.size());
   data_.light_choice = DiscreteDistribution(power);
 }
 

@@ -1,5 +1,7 @@
 #include "render/path_integrator.h"
 
+#include <bit>
+
 #include "math/frame.h"
 #include "render/debug_integrators.h"
 #include "render/dimensions.h"
@@ -67,13 +69,13 @@ class PathIntegrator::Batch {
   void sample_hemisphere(int bounce);
   void scatter(int bounce);
 
-  void see_infinity(int i);
+  void see_infinity();
   void see_emission(int i);
   /// Of path i's first among `samples` samples a path.
   std::uint64_t sample_number(int i, std::int64_t samples) const {
     return (std::uint64_t{first_} + static_cast<std::uint64_t>(i)) * static_cast<std::uint64_t>(samples);
   }
-  Point3 lit_point(int i) const { return offset_origin(vertices_[i].surface, vertices_[i].wo); }
+  void aim_at(std::uint32_t light);
   void aim(int i, const LightSample& sample, const LightPlan& plan);
   void flush_shadow_rays();
   float transmittance(Ray ray, int most_surfaces);
@@ -101,6 +103,23 @@ class PathIntegrator::Batch {
   int active_[kBatch];
   int active_count_ = 0;
 
+  /// What is to be asked of one light, so that all its answers can be found together.
+  struct Aims {
+    int count = 0;
+    int path[kBatch];
+    Point3 from[kBatch];
+    Vec2 u[kBatch];
+    float part[kBatch];
+
+    void add(int i, const Point3& lit, const Vec2& position, float which) {
+      path[count] = i;
+      from[count] = lit;
+      u[count] = position;
+      part[count++] = which;
+    }
+  };
+  Aims aims_;
+
   Ray shadow_rays_[kBatch];
   Spectrum shadow_radiance_[kBatch];
   int shadow_path_[kBatch];
@@ -123,13 +142,27 @@ void PathIntegrator::Batch::intersect() {
   rays_ += active_count_;
 }
 
-void PathIntegrator::Batch::see_infinity(int i) {
-  const Path& path = paths_[i];
-  if (!counts_emission(path)) return;
-  for (const std::uint32_t index : scene_.infinite_lights) {
-    const InfiniteView view = look_at_infinity(scene_.lights[index], path.ray.direction);
-    const float weight = path.pdf_bsdf > 0 ? mis_weight(path.pdf_bsdf, view.pdf * self_.plan(index).density()) : 1.0f;
-    samples_[i].radiance += path.throughput * view.radiance * weight;
+/// What the paths that met nothing see.
+void PathIntegrator::Batch::see_infinity() {
+  if (scene_.infinite_lights.empty()) return;
+  int path[kBatch];
+  Vec3 wi[kBatch];
+  std::size_t n = 0;
+  for (int a = 0; a < active_count_; ++a) {
+    const int i = active_[a];
+    if (hits_[i].found() || !counts_emission(paths_[i])) continue;
+    path[n] = i;
+    wi[n++] = paths_[i].ray.direction;
+  }
+  if (n == 0) return;
+  for (const std::uint32_t light : scene_.infinite_lights) {
+    InfiniteView views[kBatch];
+    look_at_infinity(scene_.lights[light], std::span<const Vec3>(wi, n), std::span(views, n));
+    for (std::size_t j = 0; j < n; ++j) {
+      const Path& p = paths_[path[j]];
+      const float weight = p.pdf_bsdf > 0 ? mis_weight(p.pdf_bsdf, views[j].pdf * self_.plan(light).density()) : 1.0f;
+      samples_[path[j]].radiance += p.throughput * views[j].radiance * weight;
+    }
   }
 }
 
@@ -146,9 +179,8 @@ void PathIntegrator::Batch::see_emission(int i) {
 }
 
 void PathIntegrator::Batch::arrive(int bounce) {
+  see_infinity();
   int kept = 0;
-  for (int a = 0; a < active_count_; ++a)
-    if (!hits_[active_[a]].found()) see_infinity(active_[a]);
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];
     if (!hits_[i].found()) continue;
@@ -165,6 +197,17 @@ void PathIntegrator::Batch::arrive(int bounce) {
   active_count_ = kept;
 }
 
+void PathIntegrator::Batch::aim_at(std::uint32_t light) {
+  const auto n = static_cast<std::size_t>(aims_.count);
+  std::optional<LightSample> samples[kBatch];
+  sample_light(scene_.lights[light], std::span<const Point3>(aims_.from, n), std::span<const Vec2>(aims_.u, n),
+               std::span<const float>(aims_.part, n), std::span(samples, n));
+  const LightPlan plan = self_.plan(light);
+  for (std::size_t j = 0; j < n; ++j)
+    if (samples[j]) aim(aims_.path[j], *samples[j], plan);
+  aims_.count = 0;
+}
+
 /// Prepares the shadow ray of path i to a point of a light; it is traced when a packet is full.
 void PathIntegrator::Batch::aim(int i, const LightSample& sample, const LightPlan& plan) {
   const Vertex& vertex = vertices_[i];
@@ -176,8 +219,8 @@ void PathIntegrator::Batch::aim(int i, const LightSample& sample, const LightPla
   const float pdf = sample.pdf * plan.density();
   const float weight = sample.is_delta ? 1.0f : mis_weight(pdf, eval.pdf);
   shadow_radiance_[shadow_count_] = paths_[i].throughput * eval.f_cos * sample.radiance * (weight / pdf);
-  const Point3 from = lit_point(i);
-  shadow_rays_[shadow_count_] = shadow_ray(same_side ? from : offset_origin(vertex.surface, sample.wi), from, sample);
+  shadow_rays_[shadow_count_] =
+      shadow_ray(offset_origin(vertex.surface, sample.wi), vertex.surface.position, sample);
   shadow_path_[shadow_count_] = i;
   if (++shadow_count_ == kBatch) flush_shadow_rays();
 }
@@ -227,40 +270,46 @@ void PathIntegrator::Batch::sample_lights(int bounce) {
 
 void PathIntegrator::Batch::sample_light_for_all(int bounce, std::uint32_t light) {
   const LightPlan plan = self_.plan(light);
-  float u[kBatch], v[kBatch], part[kBatch], unused[kBatch];
-  std::optional<LightSample> found[kBatch];
+  float x[kBatch], y[kBatch], part[kBatch] = {}, unused[kBatch];
   // Sample j of path i is number (first + i) · samples + j of one sequence: well spread over the light across all of
   // them.
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];
     if (!seeks_lights(i)) continue;
-    const Point3 from = lit_point(i);
     for (std::int64_t done = 0; done < plan.samples; done += kBatch) {
       const auto n = static_cast<int>(std::min<std::int64_t>(kBatch, plan.samples - done));
       const std::uint64_t index = sample_number(i, plan.samples) + done;
-      sampler_.points(dimension::at(bounce, dimension::position(light)), index, n, u, v);
-      sampler_.points(dimension::at(bounce, dimension::part(light)), index, n, part, unused);
-      for (int j = 0; j < n; ++j) found[j] = sample_light(scene_.lights[light], from, {u[j], v[j]}, part[j]);
-      for (int j = 0; j < n; ++j)
-        if (found[j]) aim(i, *found[j], plan);
+      sampler_.points(dimension::at(bounce, dimension::position(light)), index, n, x, y);
+      if (has_parts(scene_.lights[light]))
+        sampler_.points(dimension::at(bounce, dimension::part(light)), index, n, part, unused);
+      for (int j = 0; j < n; ++j) aims_.add(i, vertices_[i].surface.position, {x[j], y[j]}, part[j]);
+      aim_at(light);
     }
   }
 }
 
 void PathIntegrator::Batch::sample_one_light(int bounce) {
-  float choice[kBatch], part[kBatch], u[kBatch], v[kBatch];
-  std::optional<LightSample> found[kBatch];
+  float choice[kBatch] = {}, part[kBatch] = {}, x[kBatch], y[kBatch];
+  if (scene_.lights.size() > 1 || has_parts(scene_.lights[0]))
+    sampler_.points(dimension::at(bounce, dimension::kLightChoice), first_, count_, choice, part);
+  sampler_.points(dimension::at(bounce, dimension::position(0)), first_, count_, x, y);
   std::uint32_t chosen[kBatch];
-  sampler_.points(dimension::at(bounce, dimension::kLightChoice), first_, count_, choice, part);
-  sampler_.points(dimension::at(bounce, dimension::position(0)), first_, count_, u, v);
+  std::uint32_t waiting = 0;  // bit i: path i has a light still to be asked
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];
     if (!seeks_lights(i)) continue;
-    chosen[a] = static_cast<std::uint32_t>(scene_.light_choice.sample(choice[i]).index);
-    found[a] = sample_light(scene_.lights[chosen[a]], lit_point(i), {u[i], v[i]}, part[i]);
+    chosen[i] = static_cast<std::uint32_t>(scene_.light_choice.sample(choice[i]).index);
+    waiting |= 1u << i;
   }
-  for (int a = 0; a < active_count_; ++a)
-    if (found[a]) aim(active_[a], *found[a], self_.plan(chosen[a]));
+  while (waiting != 0) {
+    const std::uint32_t light = chosen[std::countr_zero(waiting)];
+    for (int i = 0; i < count_; ++i) {
+      if ((waiting >> i & 1u) == 0 || chosen[i] != light) continue;
+      aims_.add(i, vertices_[i].surface.position, {x[i], y[i]}, part[i]);
+      waiting &= ~(1u << i);
+    }
+    aim_at(light);
+  }
 }
 
 Spectrum PathIntegrator::Batch::emission_along(Ray ray) {
@@ -321,7 +370,7 @@ void PathIntegrator::Batch::scatter(int bounce) {
       if (!may_bounce(i)) continue;
       path.depth += 1;
       path.pdf_bsdf = sample->pdf;
-      path.scattered_at = offset_origin(vertex.surface, sample->wi);
+      path.scattered_at = vertex.surface.position;
       path.from_camera = false;
     }
     path.throughput *= sample->weight;

@@ -147,7 +147,10 @@ class ShapeCompiler {
   }
   void place_shape(const scene::Instance& instance, scene::Id<scene::Mesh> id) {
     TriangleMesh mesh = to_world(scene_.meshes[id.index], instance.to_world, repairs_);
-    if (!mesh.triangles.empty()) add(instance, std::move(mesh));
+    if (mesh.triangles.empty()) return;
+    if (data_.materials[instance.material.index].needs_tangents && !mesh.normals.empty() && !mesh.uvs.empty())
+      mesh.tangents = vertex_tangents(mesh);
+    add(instance, std::move(mesh));
   }
   void place_shape(const scene::Instance& instance, scene::Id<scene::Disk>) {
     if (is_placeable(instance)) add(instance, DiskShape{instance.to_world, instance.flip_normals});

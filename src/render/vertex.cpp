@@ -44,7 +44,7 @@ float pass_through(const RenderScene::Data& scene, const Ray& ray, const RayHit&
 Ray straight_on(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {
   const SurfaceHit surface = scene.geometry.surface(ray, hit);
   Ray rest{offset_origin(surface, ray.direction), ray.direction};
-  rest.t_max = ray.t_max - hit.t;
+  rest.t_max = ray.t_max - dot(rest.origin - ray.origin, ray.direction);  // the same end
   return rest;
 }
 

@@ -41,16 +41,24 @@ void CumulativeRows::set_row(int row, std::span<const float> cdf) {
 }
 
 CumulativeRows::Interval CumulativeRows::find(int row, float u) const {
-  std::size_t index = 0;
-  float begin = 0, end = 1;
+  Interval found;
+  find(std::span(&row, 1), std::span(&u, 1), std::span(&found, 1));
+  return found;
+}
+
+void CumulativeRows::find(std::span<const int> rows, std::span<const float> u, std::span<Interval> found) const {
+  std::ranges::fill(found, Interval{0, 0, 1});
   for (std::size_t l = levels_.size(); l-- > 0;) {
-    const Block& block = levels_[l].blocks[static_cast<std::size_t>(row) * levels_[l].stride + index];
-    const int passed = count_passed(block.data(), u);
-    if (passed > 0) begin = block[passed - 1];
-    end = block[passed];
-    index = index * kFanOut + passed;
+    const Block* blocks = levels_[l].blocks.data();
+    const auto stride = static_cast<std::ptrdiff_t>(levels_[l].stride);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const Block& block = blocks[rows[i] * stride + found[i].index];
+      const int passed = count_passed(block.data(), u[i]);
+      if (passed > 0) found[i].begin = block[passed - 1];
+      found[i].end = block[passed];
+      found[i].index = found[i].index * kFanOut + passed;
+    }
   }
-  return {static_cast<int>(index), begin, end};
 }
 
 }  // namespace etendue

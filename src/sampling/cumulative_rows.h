@@ -32,6 +32,8 @@ class CumulativeRows {
   };
   /// The interval of `row` that holds u, in [0, 1).
   Interval find(int row, float u) const;
+  /// The same for many numbers, found[i] for u[i] in rows[i], level by level: they wait for memory together.
+  void find(std::span<const int> rows, std::span<const float> u, std::span<Interval> found) const;
 
  private:
   static constexpr int kFanOut = 16;

@@ -276,7 +276,7 @@ struct Instance {
   Transform to_world;
   SourceLocation where;
   bool flip_normals = false;    ///< the front is where the back would be (analytic shapes; meshes say it by winding and normals)
-  std::optional<Id<Medium>> interior, exterior;  ///< what fills the back's and the front's side, if the surface is a boundary between media
+  std::optional<Id<Medium>> interior = {}, exterior = {};  ///< what fills the back's and the front's side, if the surface is a boundary between media
   bool separates_media = false; ///< interior and exterior say something: a missing one is vacuum
 };
 

@@ -1,8 +1,9 @@
-// Damaged and nonsensical scene files: each must give the message that stands beside it, in bounded time and memory.
+// Damaged and nonsensical scene files and camera settings: each must give the message that stands beside it, in bounded
+// time and memory.
 //
-// corpus/NAME.dae or NAME.xml is read; corpus/NAME.expected says how that ends. Its first line is "error" (reading fails),
-// "warning" (it succeeds, with something to say) or "ok" (it succeeds in silence); each further line must occur in the
-// messages.
+// corpus/NAME.dae, NAME.xml or NAME.txt is read; corpus/NAME.expected says how that ends. Its first line is "error"
+// (reading fails), "warning" (it succeeds, with something to say) or "ok" (it succeeds in silence); each further line
+// must occur in the messages.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "camera/settings_file.h"
 #include "formats/formats.h"
 
 namespace etendue {
@@ -41,7 +43,10 @@ Outcome read(const fs::path& path) {
   Diagnostics diagnostics;
   Outcome outcome{"ok", {}};
   try {
-    read_scene(path, diagnostics);
+    if (path.extension() == ".txt")
+      read_camera_settings(path, 800, 600);
+    else
+      read_scene(path, diagnostics);
   } catch (const Error& error) {
     EXPECT_EQ(error.failure(), Failure::input);
     outcome = {"error", error.what()};
@@ -65,34 +70,37 @@ void expect_outcome(const fs::path& path, std::string_view verdict, const std::v
   }
 }
 
-std::vector<std::string> corpus_names() {
-  std::vector<std::string> names;
+/// All files that are to be read.
+std::vector<fs::path> corpus() {
+  std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(BAD_INPUT_CORPUS))
-    if (entry.path().extension() != ".expected") names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
-  return names;
+    if (entry.path().extension() != ".expected") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+fs::path expectation(fs::path file) {
+  return file.replace_extension(".expected");
 }
 
 TEST(BadInput, CorpusIsWhole) {
-  const std::vector<std::string> names = corpus_names();
-  EXPECT_GE(names.size(), 40u);
-  for (const std::string& name : names)
-    EXPECT_TRUE(fs::exists((fs::path(BAD_INPUT_CORPUS) / name).replace_extension(".expected"))) << name;
+  const std::vector<fs::path> files = corpus();
+  EXPECT_GE(files.size(), 40u);
+  for (const fs::path& file : files) EXPECT_TRUE(fs::exists(expectation(file))) << file;
 }
 
-class BadInputFile : public ::testing::TestWithParam<std::string> {};
+class BadInputFile : public ::testing::TestWithParam<fs::path> {};
 
 TEST_P(BadInputFile, GivesTheExpectedMessage) {
-  const fs::path file = fs::path(BAD_INPUT_CORPUS) / GetParam();
-  std::vector<std::string> expected = lines_of(fs::path(file).replace_extension(".expected"));
+  std::vector<std::string> expected = lines_of(expectation(GetParam()));
   ASSERT_FALSE(expected.empty());
   const std::string verdict = expected.front();
   expected.erase(expected.begin());
-  expect_outcome(file, verdict, expected);
+  expect_outcome(GetParam(), verdict, expected);
 }
 
-INSTANTIATE_TEST_SUITE_P(Corpus, BadInputFile, ::testing::ValuesIn(corpus_names()), [](const auto& parameter) {
-  std::string name = parameter.param;
+INSTANTIATE_TEST_SUITE_P(Corpus, BadInputFile, ::testing::ValuesIn(corpus()), [](const auto& parameter) {
+  std::string name = parameter.param.stem().string();
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
   return name;

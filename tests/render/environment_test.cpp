@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "image/tests/temporary_folder.h"
+#include "base/tests/temporary_folder.h"
 #include "picture_statistics.h"
 #include "render/session.h"
 #include "scene_kit.h"

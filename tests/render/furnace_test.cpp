@@ -5,7 +5,7 @@
 
 #include <complex>
 
-#include "image/tests/temporary_folder.h"
+#include "base/tests/temporary_folder.h"
 #include "picture_statistics.h"
 #include "scene_kit.h"
 #include "testing/quadrature.h"

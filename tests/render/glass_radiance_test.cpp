@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "image/tests/temporary_folder.h"
+#include "base/tests/temporary_folder.h"
 #include "picture_statistics.h"
 #include "scene_kit.h"
 

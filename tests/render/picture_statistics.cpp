@@ -1,7 +1,8 @@
 #include "picture_statistics.h"
 
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 
 #include "math/vec.h"
 
@@ -39,7 +40,7 @@ struct BlockSums {
                                      const std::string& name) {
   if (a.size() != b.size()) return ::testing::AssertionFailure() << name << " differs in size";
   for (std::size_t i = 0; i < a.size(); ++i)
-    if (std::memcmp(&a[i], &b[i], sizeof(float)) != 0)
+    if (std::bit_cast<std::uint32_t>(a[i]) != std::bit_cast<std::uint32_t>(b[i]))
       return ::testing::AssertionFailure() << name << " differs, first at value " << i << ": " << a[i] << ", " << b[i];
   return ::testing::AssertionSuccess();
 }

@@ -74,6 +74,26 @@ void SceneKit::light(const scene::LightSource& source, const Transform& to_world
   scene_.lights.push_back({"light", source, to_world, {}});
 }
 
+scene::Id<scene::Volume> SceneKit::volume(scene::Volume volume) {
+  scene_.volumes.push_back(std::move(volume));
+  return {static_cast<std::uint32_t>(scene_.volumes.size() - 1)};
+}
+
+scene::Id<scene::Medium> SceneKit::medium(scene::Medium medium) {
+  scene_.media.push_back(std::move(medium));
+  return {static_cast<std::uint32_t>(scene_.media.size() - 1)};
+}
+
+void SceneKit::fill_last(scene::Id<scene::Medium> interior) {
+  scene_.instances.back().separates_media = true;
+  scene_.instances.back().interior = interior;
+}
+
+void SceneKit::camera_in(scene::Id<scene::Medium> medium) {
+  scene_.cameras.assign(1, {});
+  scene_.cameras.front().medium = medium;
+}
+
 RenderScene SceneKit::compile(const CompileOptions& options) const {
   Diagnostics diagnostics;
   RenderScene compiled = etendue::compile(scene_, options, diagnostics);

@@ -31,6 +31,13 @@ class SceneKit {
   void mesh(std::vector<Point3> positions, std::vector<std::array<std::uint32_t, 3>> triangles, MaterialId material);
   void light(const scene::LightSource& source, const Transform& to_world = {});
 
+  scene::Id<scene::Volume> volume(scene::Volume volume);
+  scene::Id<scene::Medium> medium(scene::Medium medium);
+  /// The shape added last holds the medium; around it is vacuum.
+  void fill_last(scene::Id<scene::Medium> interior);
+  /// The description's camera, which says no more than that, stands in the medium.
+  void camera_in(scene::Id<scene::Medium> medium);
+
   const scene::SceneDescription& description() const { return scene_; }
   RenderScene compile(const CompileOptions& options = {}) const;
 

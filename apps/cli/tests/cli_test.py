@@ -1,5 +1,6 @@
 """The program as its users meet it: exit codes, messages, files. usage: cli_test.py ETENDUE [unittest options]"""
 import json
+import math
 import os
 import pty
 import re
@@ -89,6 +90,30 @@ class CommandLine(CliTest):
             self.assertEqual(result.stderr, "")
         self.assertRegex(self.run_program("--version").stdout, r"^etendue \d+\.\d+\.\d+\n$")
 
+    def test_help_and_version_are_commands_too(self):
+        for words, flags in [(["help"], ["--help"]), (["help", "render"], ["render", "--help"]),
+                             (["help", "help"], ["help", "--help"]), (["version"], ["--version"])]:
+            self.assertEqual(self.run_program(*words).stdout, self.run_program(*flags).stdout)
+        for command in ("render", "info", "envmap", "diff", "help", "version"):
+            self.assertRegex(self.run_program("help").stdout, rf"(?m)^  {command} ")
+
+    def test_numbers_as_people_write_them(self):
+        for words in (["-r", "9x7"], ["--resolution", "9X7"], ["--resolution=9x7"], ["-r", "9", "7"]):
+            self.run_program("render", self.scene, *words, "-s", 1, "-o", "o.png")
+            self.assertEqual(read_png(self.path("o.png"))[:2], (9, 7), words)
+        for noise in ("50%", "0.5"):
+            result = self.run_program("render", self.scene, "-r", 24, 18, "--noise", noise, "-s", 4096, "-o", "o.png")
+            self.assertIn("noise reached: 24 x 18, 16 samples", result.stderr)
+        for time in ("1h30m", "90s", "1m30s", "2m", "1.5h", "1h2m3s4ms", "90"):
+            self.render("-o", "o.png", "--time-limit", time)
+        self.assertLess(self.stats("-a", 4, "30%", spp=64)["samples_per_pixel"], 64)
+
+    def test_one_is_singular(self):
+        result = self.render("-o", "o.png", spp=1)
+        self.assertIn("1 light,", result.stderr)
+        self.assertIn(" 1 sample a pixel,", result.stderr)
+        self.assertIn("; 1 of them emits light", self.run_program("info", self.scene).stdout)
+
     def test_mistakes_are_named_with_their_remedy(self):
         for words, message in [
                 ("", "no command given"),
@@ -98,7 +123,13 @@ class CommandLine(CliTest):
                 ("--versoin", "unknown option --versoin; did you mean --version?"),
                 ("render scene.dae --resolutoin 4 4 -o o.png", "unknown option --resolutoin; did you mean --resolution?"),
                 ("render --sceen scene.dae", "unknown option --sceen"),
-                ("render scene.dae -z -o o.png", "unknown option -z"),
+                ("render scene.dae -z -o o.png", "unknown option -z; see etendue render --help"),
+                ("-z", "unknown option -z; see etendue --help"),
+                ("help rendr", 'unknown command "rendr"; did you mean render?'),
+                ("help everything", 'unknown command "everything"; see etendue --help'),
+                ("help info diff", '"diff" is one argument too many'),
+                ("-q render scene.dae -o o.png", "-q stands before the command; options stand behind it"),
+                ("--seed 3 render scene.dae -o o.png", "--seed stands before the command"),
                 ("render", "render needs a scene"),
                 ("render scene.dae", "add -o FILE"),
                 ("render scene.dae other.dae -o o.png", '"other.dae" is one argument too many'),
@@ -120,7 +151,15 @@ class CommandLine(CliTest):
                 ("render scene.dae -o o.png -r 65536 65536", "too large"),
                 ("render scene.dae -o o.png -r 8 8 -p 4 4 5 4", "--crop 4 4 5 4 reaches outside the picture of 8 x 8"),
                 ("render scene.dae -o o.png -p 0 0 0 4", "--crop"),
-                ("render scene.dae -o o.png --time-limit soon", "--time-limit"),
+                ("render -r 640x scene.dae -o o.png", '--resolution needs a whole number from 1 to 65536, not "640x"'),
+                ("render scene.dae -o o.jpg -r 65501x8", "65501 x 8 pixels, and a .jpg at most 65500 a side"),
+                ("render scene.dae -o o.png --noise 200%", '--noise needs a number from 1e-06 to 1, such as 0.02 or 2%'),
+                ("render scene.dae -o o.png --noise %", "--noise"),
+                ("render scene.dae -o o.png --time-limit soon", "--time-limit needs a time such as 90s, 2m or 1h30m"),
+                ("render scene.dae -o o.png --time-limit 30m1h", "--time-limit"),
+                ("render scene.dae -o o.png --time-limit 1h30", "--time-limit"),
+                ("render scene.dae -o o.png --time-limit 0s", "--time-limit"),
+                ("render scene.dae -o o.png --time-limit 1mm", "--time-limit"),
                 ("render scene.dae -o o.png --integrator pth", "did you mean path?"),
                 ("render scene.dae -o o.png -H --integrator path", "--hemisphere and --integrator"),
                 ("render scene.dae -o o.png --env-rotation 9", "--env FILE"),
@@ -130,6 +169,7 @@ class CommandLine(CliTest):
                 ("render scene.dae -o o.png --focus-at 800,2", "outside"),
                 ("render scene.dae -o o.png -q -v", "--quiet and --verbose"),
                 ("render scene.dae -o o.png --preview", "--preview needs a terminal"),
+                ("render scene.dae -q --preview", "--quiet and --preview contradict each other"),
                 ("render scene.dae -o o.bmpp", "o.bmpp"),
                 ("info", "info needs a scene"),
                 ("envmap", "envmap needs a map"),
@@ -191,7 +231,53 @@ class Inputs(CliTest):
         self.assertEqual(read_png(self.path("dim.png"))[2][0][0], (137, 137, 137))  # sRGB of 0.25
 
 
+    def test_hemisphere_sampling_does_not_meet_points(self):
+        self.assertNotIn("black", self.render("-o", "o.png", "-H").stderr)
+        result = self.run_program(*"render dark.dae -r 24 18 -s 2 -H --headlight -o o.png".split())
+        self.assertEqual(result.stderr.count("use --integrator direct"), 1)
+        self.assertEqual({p for row in read_png(self.path("o.png"))[2] for p in row}, {(0, 0, 0)})
+
+
 class Outputs(CliTest):
+    def test_nothing_read_is_overwritten_and_nothing_written_twice(self):
+        write_hdr(self.path("sky.hdr"), [[(128, 128, 128, 129)] * 4] * 2)
+        self.render("-o", "a.png", "--save-camera", "camera.txt")
+        os.symlink("sky.hdr", self.path("link.hdr"))
+        before = {name: os.stat(self.path(name)).st_mtime_ns for name in os.listdir(self.folder)}
+        for words, file, problem in [
+                ("render scene.dae -r 8 6 -o a.png --save-camera scene.dae", "scene.dae", "is an input"),
+                ("render scene.dae -r 8 6 -o a.png --stats ./scene.dae", "./scene.dae", "is an input"),
+                ("render scene.dae -r 8 6 -e sky.hdr -o sky.hdr", "sky.hdr", "is an input"),
+                ("render scene.dae -r 8 6 -e link.hdr -o sky.hdr", "sky.hdr", "is an input"),
+                ("render scene.dae -r 8 6 -c camera.txt -o a.png --save-camera camera.txt", "camera.txt", "is an input"),
+                ("render scene.dae -r 8 6 -o a.png -o ./a.png", "./a.png", "written twice"),
+                ("render scene.dae -r 8 6 -a 4 0.1 -o b.exr -o b_rate.png", "b_rate.png", "written twice"),
+                ("render scene.dae -r 8 6 -o a.png --stats a.json --save-camera a.json", "a.json", "written twice"),
+                ("envmap sky.hdr --debug sky.hdr", "sky.hdr", "is an input"),
+                ("envmap link.hdr --pdf ./sky.hdr", "./sky.hdr", "is an input"),
+                ("envmap sky.hdr --debug d.png --pdf ./d.png", "./d.png", "written twice"),
+                ("diff a.png a.png --heatmap a.png", "a.png", "is an input"),
+        ]:
+            with self.subTest(words):
+                message = self.run_program(*words.split(), expect=2).stderr
+                self.assertTrue(message.startswith(f"error: {file} would be "), message)
+                self.assertIn(problem, message)
+                self.assertEqual(len(message.splitlines()), 1)
+        self.assertEqual({name: os.stat(self.path(name)).st_mtime_ns for name in os.listdir(self.folder)}, before)
+
+    def test_textures_are_inputs_too(self):
+        self.render("-o", "tiles.png")
+        surface = "<diffuse><color>0.6 0.5 0.4 1</color></diffuse>"
+        sampler = ('<newparam sid="surface"><surface type="2D"><init_from>tiles</init_from></surface></newparam>'
+                   '<newparam sid="sampler"><sampler2D><source>surface</source></sampler2D></newparam>')
+        textured = scene().replace(surface, '<diffuse><texture texture="sampler" texcoord="UV"/></diffuse>')
+        textured = textured.replace('<effect id="grey-e"><profile_COMMON>', f'<effect id="grey-e"><profile_COMMON>{sampler}')
+        textured = textured.replace("<library_effects>", '<library_images><image id="tiles"><init_from>tiles.png</init_from>'
+                                    "</image></library_images><library_effects>")
+        self.write("textured.dae", textured)
+        result = self.run_program(*"render textured.dae -r 8 6 -o tiles.png".split(), expect=2)
+        self.assertIn("tiles.png would be overwritten, but it is an input", result.stderr)
+
     def test_unwritable_outputs_are_noticed_before_the_work(self):
         os.mkdir(self.path("folder.png"))
         for words in ("-o nowhere/o.png", "-o folder.png", "-o o.png --stats nowhere/s.json",
@@ -286,6 +372,15 @@ class Outputs(CliTest):
         self.assertEqual(stats["scene"], self.scene)
         self.assertEqual(type(stats["version"]), str)
 
+    def test_stats_on_standard_output(self):
+        result = self.render("-o", "o.png", "--stats", "-")
+        self.assertEqual(json.loads(result.stdout)["samples_per_pixel"], 4)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["dark.dae", "o.png", "scene.dae"])
+        with open("/dev/full", "w") as full:
+            result = subprocess.run([ETENDUE, "render", self.scene, "-r", "8", "6", "-s", "1", "-o", "o.png", "--stats", "-"],
+                                    stdout=full, stderr=subprocess.PIPE, text=True, cwd=self.folder)
+        self.assertEqual(result.returncode, 4, result.stderr)
+
     def test_adaptive_sampling_writes_where_the_samples_went(self):
         stats = self.stats("-a", 4, 0.3, spp=64)
         self.assertLess(stats["samples_per_pixel"], 64)
@@ -362,7 +457,7 @@ class Endings(CliTest):
         return process
 
     def test_interrupting_writes_the_picture(self):
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             process = self.start_long_render("-o", "o.png", "-o", "o.exr", "--stats", "s.json")
             threading.Event().wait(0.5)
             process.send_signal(number)
@@ -376,6 +471,32 @@ class Endings(CliTest):
                 self.assertEqual(json.load(f)["ending"], "interrupted")
             for name in ("o.png", "o.exr", "s.json"):
                 os.remove(self.path(name))
+
+    def test_interrupting_again_and_again_writes_the_picture_too(self):
+        process = self.start_long_render("-r", "640", "480", "-o", "o.exr")
+        threading.Event().wait(0.5)
+        while process.poll() is None:
+            process.send_signal(signal.SIGINT)
+            threading.Event().wait(0.005)
+        _, err = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 130, err)
+        self.assertEqual(read_exr(self.path("o.exr"))[:2], (640, 480))
+        self.assertEqual(sorted(os.listdir(self.folder)), ["dark.dae", "o.exr", "scene.dae"])
+
+    def test_what_was_ignored_stays_ignored(self):
+        ignore = lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        process = subprocess.Popen([ETENDUE, "render", self.scene, "-r", "24", "18", "-o", "o.png", "--time-limit", "1s"],
+                                   stderr=subprocess.PIPE, text=True, cwd=self.folder, preexec_fn=ignore)
+        self.assertIn("rendering", process.stderr.readline())
+        threading.Event().wait(0.3)
+        process.send_signal(signal.SIGHUP)
+        _, err = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 0, err)
+        self.assertIn("time limit:", err)
+
+    def test_stopping_before_every_pixel_had_a_sample(self):
+        result = self.run_program("render", self.scene, "-r", 3000, 2000, "-t", 1, "--time-limit", "1ms", "-o", "o.hdr")
+        self.assertRegex(result.stderr, r"warning: stopped before every pixel had a sample: \S+ % of the picture is black")
 
     def test_time_limit(self):
         stats = self.stats("--time-limit", "500ms", size=(64, 48), spp=1000000)
@@ -398,11 +519,12 @@ class Endings(CliTest):
 
 
 class Terminal(CliTest):
-    def on_terminal(self, *flags):
-        """What the program shows on a terminal, and its exit code."""
+    def on_terminal(self, *flags, **environment):
+        """What the program shows on a terminal."""
         ours, theirs = pty.openpty()
         process = subprocess.Popen([ETENDUE, "render", self.scene, "-r", "64", "48", "--time-limit", "1s", *flags],
-                                   stdout=theirs, stderr=theirs, cwd=self.folder)
+                                   stdout=theirs, stderr=theirs, cwd=self.folder,
+                                   env=os.environ | {"TERM": "xterm"} | environment)
         os.close(theirs)
         shown = b""
         while True:
@@ -424,6 +546,13 @@ class Terminal(CliTest):
         self.assertIn("wrote o.png", shown)
         self.assertEqual(self.on_terminal("-o", "o.png", "--quiet"), "")
 
+    def test_colours_only_where_they_are_wanted(self):
+        colour = "\x1b[33m"
+        self.scene = self.dark_scene
+        self.assertIn(colour, self.on_terminal("-o", "o.png", NO_COLOR=""))
+        self.assertNotIn(colour, self.on_terminal("-o", "o.png", NO_COLOR="1"))
+        self.assertNotIn("\x1b", self.on_terminal("-o", "o.png", TERM="dumb"))
+
     def test_preview(self):
         shown = self.on_terminal("--preview")
         self.assertRegex(shown, r"\x1b\[38;2;\d+;\d+;\d+;48;2;\d+;\d+;\d+m▀")
@@ -439,6 +568,9 @@ class OtherCommands(CliTest):
         info = json.loads(self.run_program("info", "--json", self.scene).stdout)
         self.assertEqual((info["triangles_placed"], info["cameras"], info["emissive_materials"]), (4, 1, 1))
         self.assertEqual(info["camera_placement"], "file")
+        self.assertRegex(table, r"(?m)^lights +1 mesh$")
+        self.assertEqual(info["lights"], {"mesh": 1})
+        self.assertRegex(self.run_program("info", self.dark_scene).stdout, r"(?m)^lights +none$")
         self.assertEqual(info["bounds"], {"min": [-2, 0, -2], "max": [2, 1.5, 2]})
 
     def test_envmap(self):
@@ -452,8 +584,11 @@ class OtherCommands(CliTest):
         self.assertEqual([[p[0] for p in row] for row in rows], [[170] * 4, [255] * 4])  # 2/3 and all of the light
         self.assertEqual([[p[1] for p in row] for row in rows], [[128, 128, 128, 255], [0, 255, 255, 255]])
         density = [[struct.unpack("<f", p)[0] for p in row] for row in read_exr(self.path("pdf.exr"))[2]["R"]]
-        self.assertEqual(density[0][1], 0)
-        self.assertAlmostEqual(density[0][0], density[1][1], places=5)
+        # A row between the map's two, with what a lookup finds there on average: 1/8, 3/4, 1/8 of each row's neighbours.
+        means = [(3 / 4 + 1 / 8 + 1 / 8) / 2, (1 / 8 + 3 / 4) / 2, (1 / 8 + 1 / 8) / 2, (3 / 4 + 1 / 8) / 2]
+        self.assertEqual(len(density), 1)
+        for found, mean in zip(density[0], means):
+            self.assertAlmostEqual(found, mean / sum(means) * 4 / (2 * math.pi**2), places=5)
 
     def test_diff(self):
         self.render("-o", "a.exr", "-o", "a.png", spp=16)

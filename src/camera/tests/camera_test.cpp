@@ -4,17 +4,12 @@
 
 #include <vector>
 
+#include "testing/expect_near.h"
 #include "testing/random.h"
 #include "testing/statistics.h"
 
 namespace etendue {
 namespace {
-
-void expect_near(const Vec3& a, const Vec3& b, float tolerance) {
-  EXPECT_NEAR(a.x, b.x, tolerance);
-  EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(a.z, b.z, tolerance);
-}
 
 Camera pinhole() {
   Camera camera;

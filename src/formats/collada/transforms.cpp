@@ -53,7 +53,10 @@ Transform from_skew(const std::vector<float>& v, Report& report, SourceLocation 
   }
   const Vec3 n = across_vector / across;
   const float shear = (across * std::sin(angle) + along * std::cos(angle)) / turned_across - along / across;
-  return {Vec3(1, 0, 0) + b * (shear * n.x), Vec3(0, 1, 0) + b * (shear * n.y), Vec3(0, 0, 1) + b * (shear * n.z), {}};
+  return {Vec3(1, 0, 0) + b * (shear * n.x),
+          Vec3(0, 1, 0) + b * (shear * n.y),
+          Vec3(0, 0, 1) + b * (shear * n.z),
+          {0, 0, 0}};
 }
 
 Transform up_axis_rotation(const Document& document, Report& report, pugi::xml_node up_axis) {

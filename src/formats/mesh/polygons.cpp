@@ -125,7 +125,7 @@ Triangulation fan(std::size_t corner_count, bool is_simple) {
 }
 
 /// No corner turns against the polygon's normal.
-bool is_convex(std::span<const Point3> corners, const Vec3d& normal) {
+bool turns_one_way(std::span<const Point3> corners, const Vec3d& normal) {
   const std::size_t n = corners.size();
   const double tolerance = -1e-9 * normal.dot(normal);
   for (std::size_t i = 0; i < n; ++i) {
@@ -136,12 +136,23 @@ bool is_convex(std::span<const Point3> corners, const Vec3d& normal) {
   return true;
 }
 
+/// No triangle of its fan turns against the polygon's normal: with corners that turn one way, the outline runs around
+/// once.
+bool fan_turns_one_way(std::span<const Point3> corners, const Vec3d& normal) {
+  const Vec3d origin(corners[0]);
+  const double tolerance = -1e-9 * normal.dot(normal);
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i)
+    if ((Vec3d(corners[i]) - origin).cross(Vec3d(corners[i + 1]) - origin).dot(normal) < tolerance) return false;
+  return true;
+}
+
 }  // namespace
 
 Triangulation triangulate(std::span<const Point3> corners) {
   const Vec3d normal = vector_area2(corners);
   const bool encloses_area = normal.length2() > 0;
-  if (corners.size() == 3 || is_convex(corners, normal)) return fan(corners.size(), encloses_area);
+  if (corners.size() == 3) return fan(3, encloses_area);
+  if (turns_one_way(corners, normal)) return fan(corners.size(), encloses_area && fan_turns_one_way(corners, normal));
   if (corners.size() > kMostCornersToClip) return fan(corners.size(), false);
   return EarClipper(projected(corners, normal)).run();
 }

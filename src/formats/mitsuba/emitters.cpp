@@ -43,7 +43,7 @@ scene::Light read_spot(Properties& properties, TextureLibrary& textures) {
   if (const Element* texture = properties.find("texture")) {
     if (is_constant_color(*texture))
       throw Problem("\"texture\" of \"spot\" needs a picture; a colour belongs into its \"intensity\"", texture->where);
-    spot.texture = textures.texture(properties.document(), *texture, properties.report());
+    spot.texture = textures.texture(properties.document(), *texture, TextureLibrary::Use::slide, properties.report());
   }
   return {{}, spot, facing_backwards_turned(properties.transform("to_world")), {}};
 }
@@ -90,7 +90,7 @@ float picture_aspect(const scene::ColorInput& input, const scene::SceneDescripti
 
 scene::Light read_projector(Properties& properties, TextureLibrary& textures) {
   scene::ProjectorLight projector;
-  projector.irradiance = textures.color(properties, "irradiance", Spectrum(1), SpectrumRole::emission);
+  projector.irradiance = textures.color(properties, "irradiance", Spectrum(1), SpectrumRole::emission, TextureLibrary::Use::slide);
   projector.scale = kProjectorFactor * properties.number("scale", 1, 0, 3e38f);
   projector.aspect = picture_aspect(projector.irradiance, textures.scene());
   projector.xfov_deg = read_horizontal_fov(properties, projector.aspect);

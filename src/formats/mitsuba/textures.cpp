@@ -19,6 +19,11 @@ scene::UvTransform upside_down(const scene::UvTransform& t) {
   return {{t.x[0], -t.x[1]}, {t.y[0], -t.y[1]}, {t.offset[0], 1 - t.offset[1]}};
 }
 
+/// (u, v) ↦ (u, 1 − v), then `t`.
+scene::UvTransform after_turning_v(const scene::UvTransform& t) {
+  return {t.x, {-t.y[0], -t.y[1]}, {t.offset[0] + t.y[0], t.offset[1] + t.y[1]}};
+}
+
 /// to_uv, or what version 0.6 had instead of it.
 scene::UvTransform uv_transform(Properties& properties) {
   Transform to_uv = properties.transform("to_uv");
@@ -34,11 +39,11 @@ scene::UvTransform uv_transform(Properties& properties) {
 }  // namespace
 
 scene::ColorInput TextureLibrary::color(Properties& properties, std::string_view name, const Spectrum& missing,
-                                        SpectrumRole role) {
+                                        SpectrumRole role, Use use) {
   const Element* element = properties.find(name);
   if (element == nullptr) return missing;
   if (is_constant_color(*element)) return read_spectrum(properties.document(), *element, role, properties.report());
-  if (const auto id = texture(properties.document(), *element, Use::color, properties.report())) return *id;
+  if (const auto id = texture(properties.document(), *element, use, properties.report())) return *id;
   return kUnknownTexture;
 }
 
@@ -68,17 +73,13 @@ Spectrum TextureLibrary::constant(Properties& properties, std::string_view name,
 }
 
 std::optional<scene::Id<scene::Texture>> TextureLibrary::texture(const Document& document, const Element& element,
-                                                                 Report& report) {
-  return texture(document, element, Use::color, report);
-}
-
-std::optional<scene::Id<scene::Texture>> TextureLibrary::texture(const Document& document, const Element& element,
                                                                  Use use, Report& report) {
   const std::pair key{&element, use};
   if (const auto known = known_.find(key); known != known_.end()) return known->second;
   std::optional<scene::Id<scene::Texture>> id;
   if (auto texture = read(document, element, use, report)) {
     texture->where = element.where;
+    if (use == Use::slide) texture->to_uv = after_turning_v(texture->to_uv);
     id = {static_cast<std::uint32_t>(scene_.textures.size())};
     scene_.textures.push_back(*std::move(texture));
   }

@@ -15,8 +15,12 @@ class TextureLibrary {
  public:
   TextureLibrary(scene::SceneDescription& scene, VolumeLibrary& volumes) : scene_(scene), volumes_(volumes) {}
 
+  /// What a texture is asked for: colours or numbers of surfaces, or the picture that a lamp throws, whose v points up.
+  enum class Use { color, number, slide };
+
   /// A property that is a colour or a texture.
-  scene::ColorInput color(Properties& properties, std::string_view name, const Spectrum& missing, SpectrumRole role);
+  scene::ColorInput color(Properties& properties, std::string_view name, const Spectrum& missing, SpectrumRole role,
+                          Use use = Use::color);
   scene::ColorInput reflectance(Properties& properties, std::string_view name, float missing) {
     return color(properties, name, Spectrum(missing), SpectrumRole::reflectance);
   }
@@ -25,16 +29,12 @@ class TextureLibrary {
   /// A property that has one colour everywhere. A texture is left out with a warning.
   Spectrum constant(Properties& properties, std::string_view name, const Spectrum& missing, SpectrumRole role);
   /// A <texture>; nothing, with a warning, if it is of an unknown type.
-  std::optional<scene::Id<scene::Texture>> texture(const Document& document, const Element& element, Report& report);
+  std::optional<scene::Id<scene::Texture>> texture(const Document& document, const Element& element, Use use,
+                                                   Report& report);
 
   const scene::SceneDescription& scene() const { return scene_; }
 
  private:
-  /// Whether a texture is asked for colours or for numbers.
-  enum class Use { color, number };
-
-  std::optional<scene::Id<scene::Texture>> texture(const Document& document, const Element& element, Use use,
-                                                   Report& report);
   std::optional<scene::Texture> read(const Document& document, const Element& element, Use use, Report& report);
   scene::Texture read_bitmap(Properties& properties);
   scene::Texture read_checkerboard(Properties& properties, Use use);

@@ -5,10 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "base/error.h"
-#include "image/tests/temporary_folder.h"
+#include "base/tests/temporary_folder.h"
 
 namespace etendue {
 namespace {
@@ -233,7 +234,7 @@ TEST(WritePicture, OtherProgramsFindColoursFirstAndAttributesByName) {
 TEST(WritePicture, UnknownEndingIsAMistakeOfTheRequest) {
   for (const char* name : {"picture", "picture.bmp", "picture.", "", "picture.png/", ".png"}) {
     try {
-      check_writable(name);
+      check_writable(name, 2, 2);
       ADD_FAILURE() << name;
     } catch (const Error& error) {
       EXPECT_EQ(error.failure(), Failure::usage) << name;
@@ -252,13 +253,20 @@ TEST(WritePicture, InconsistentPicturesAreRefused) {
 
 TEST(WritePicture, WhatAFormatCannotHoldIsSaid) {
   const TemporaryFolder folder;
-  try {
-    write_picture(folder / "a.jpg", only(Image(70000, 1)));
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.failure(), Failure::output);
-    EXPECT_THAT(error.what(), HasSubstr("a.jpg"));
+  const auto write = [&] { write_picture(folder / "a.jpg", only(Image(65501, 1))); };
+  const auto check = [&] { check_writable(folder / "a.jpg", 1, 65501); };
+  for (const std::function<void()>& action : {std::function<void()>(write), std::function<void()>(check)}) {
+    try {
+      action();
+      ADD_FAILURE();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.failure(), Failure::usage);
+      EXPECT_THAT(error.what(), HasSubstr("a.jpg"));
+      EXPECT_THAT(error.what(), HasSubstr("at most 65500 a side; choose another format"));
+    }
   }
+  check_writable(folder / "a.jpg", 65500, 65500);
+  check_writable(folder / "a.png", 65536, 1);
   EXPECT_TRUE(folder.names().empty());
 }
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "image/tests/temporary_folder.h"
+#include "base/tests/temporary_folder.h"
 
 namespace etendue {
 namespace {

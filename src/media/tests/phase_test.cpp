@@ -30,7 +30,8 @@ TEST(Phase, IntegratesToOneAndHasItsMeanCosine) {
       const SphereGrid grid(-wo, 0.2);
       const auto value = [&](const Vec3& wi) { return static_cast<double>(eval_phase(phase, wo, wi)); };
       EXPECT_NEAR(integrate_sphere(grid, value), 1, 1e-4) << name;
-      EXPECT_NEAR(integrate_sphere(grid, [&](const Vec3& wi) { return value(wi) * -dot(wo, wi); }), mean_cosine, 1e-4) << name;
+      EXPECT_NEAR(integrate_sphere(grid, [&](const Vec3& wi) { return value(wi) * -dot(wo, wi); }), mean_cosine, 1e-4)
+          << name;
     }
 }
 
@@ -47,7 +48,8 @@ TEST(Phase, SamplesFollowTheirDensity) {
         return s.wi;
       };
       const auto density = [&](const Vec3& wi) { return static_cast<double>(eval_phase(phase, wo, wi)); };
-      tests.add(fmt::format("{} from ({} {} {})", name, wo.x, wo.y, wo.z), direction_test(grid, 100000, sample, density).p);
+      tests.add(fmt::format("{} from ({} {} {})", name, wo.x, wo.y, wo.z),
+                direction_test(grid, 100000, sample, density).p);
     }
   EXPECT_TRUE(tests.holds());
 }

@@ -45,6 +45,18 @@ TEST(Triangulate, ConvexPolygonIsAFan) {
   EXPECT_NEAR(area(hexagon, cut), 1.5f * std::sqrt(3.0f), 1e-5f);
 }
 
+TEST(Triangulate, AnOutlineThatRunsAroundTwiceIsNotSimple) {
+  for (const float start : {0.0f, 0.7f, 3.0f}) {
+    std::vector<Point3> pentagram;
+    for (int i = 0; i < 5; ++i) {
+      const float angle = start + static_cast<float>(i) * 0.8f * kPi;
+      pentagram.push_back({std::cos(angle), std::sin(angle), 1});
+    }
+    EXPECT_FALSE(triangulate(pentagram).is_simple) << start;
+    EXPECT_EQ(triangulate(pentagram).triangles.size(), 3u);
+  }
+}
+
 TEST(Triangulate, NonConvexPolygonsKeepTheirAreaInAnyPlaneAndWinding) {
   // An L, two arrow heads, one with its dent where a fan would start and one elsewhere, and a comb.
   const std::vector<std::vector<Vec2>> shapes = {
