@@ -175,6 +175,7 @@ void PathIntegrator::Batch::intersect() {
 
 /// What the paths that met nothing see.
 void PathIntegrator::Batch::see_infinity() {
+  if (scene_.infinite_lights.empty()) return;
   int path[kBatch];
   Vec3 wi[kBatch];
   std::size_t n = 0;
