@@ -12,17 +12,18 @@ endef
 
 .PHONY: help
 help:
-	@echo 'make demo     install what is missing, build, and render the first picture into out/'
-	@echo 'make test     the same, then run every test and the fuzzers for a minute'
-	@echo 'make build    install what is missing and build build/release/apps/cli/etendue'
-	@echo 'make bench    build and run the benchmarks'
-	@echo 'make figures  render what each setting does, into out/figures/index.html; QUICK=1: small and noisy'
-	@echo 'make asan     run the tests under AddressSanitizer and UndefinedBehaviorSanitizer'
-	@echo 'make tsan     run the tests under ThreadSanitizer'
-	@echo 'make fuzz     feed the file readers damaged files for FUZZ_SECONDS=$(FUZZ_SECONDS)'
-	@echo 'make format   lay out the sources with clang-format'
-	@echo 'make tidy     read the sources with clang-tidy'
-	@echo 'make clean    remove build/ and out/'
+	@echo 'make demo         install what is missing, build, and render the first picture into out/'
+	@echo 'make test         the same, then run every test and the fuzzers for a minute'
+	@echo 'make build        install what is missing and build build/release/apps/cli/etendue'
+	@echo 'make bench        build and run the benchmarks'
+	@echo 'make figures      render what each setting does, into out/figures/index.html; QUICK=1: small and noisy'
+	@echo 'make conformance  render Mitsuba'\''s tests and compare, into out/conformance/index.html; needs ETENDUE_SHARED'
+	@echo 'make asan         run the tests under AddressSanitizer and UndefinedBehaviorSanitizer'
+	@echo 'make tsan         run the tests under ThreadSanitizer'
+	@echo 'make fuzz         feed the file readers damaged files for FUZZ_SECONDS=$(FUZZ_SECONDS)'
+	@echo 'make format       lay out the sources with clang-format'
+	@echo 'make tidy         read the sources with clang-tidy'
+	@echo 'make clean        remove build/ and out/'
 
 .PHONY: dependencies
 dependencies:
@@ -51,6 +52,10 @@ bench: dependencies
 .PHONY: figures
 figures: build
 	scripts/make_figures.py --etendue $(ETENDUE) $(if $(QUICK),--quick)
+
+.PHONY: conformance
+conformance: build
+	scripts/conformance.py --etendue $(ETENDUE) --seeds 1,2,3
 
 .PHONY: asan tsan
 asan tsan: dependencies

@@ -14,7 +14,8 @@ void write_sheet(const std::filesystem::path& path, int side) {
       R"(<asset><up_axis>Y_UP</up_axis></asset><library_geometries><geometry id="sheet"><mesh>)";
   const int points = (side + 1) * (side + 1);
   const auto source = [&](const char* name, auto&& value) {
-    fmt::format_to(std::back_inserter(out), R"(<source id="{0}"><float_array id="{0}-array" count="{1}">)", name, 3 * points);
+    fmt::format_to(std::back_inserter(out), R"(<source id="{0}"><float_array id="{0}-array" count="{1}">)", name,
+                   3 * points);
     for (int y = 0; y <= side; ++y)
       for (int x = 0; x <= side; ++x) value(static_cast<double>(x) / side, static_cast<double>(y) / side);
     fmt::format_to(std::back_inserter(out),
@@ -41,10 +42,9 @@ void write_sheet(const std::filesystem::path& path, int side) {
       const int a = y * (side + 1) + x, b = a + 1, c = a + side + 1, d = c + 1;
       fmt::format_to(std::back_inserter(out), "{0} {0} {1} {1} {2} {2} {2} {2} {1} {1} {3} {3} ", a, c, b, d);
     }
-  out +=
-      R"(</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="scene">)"
-      R"(<node><instance_geometry url="#sheet"/></node></visual_scene></library_visual_scenes>)"
-      R"(<scene><instance_visual_scene url="#scene"/></scene></COLLADA>)";
+  out += R"(</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="scene">)"
+         R"(<node><instance_geometry url="#sheet"/></node></visual_scene></library_visual_scenes>)"
+         R"(<scene><instance_visual_scene url="#scene"/></scene></COLLADA>)";
   std::ofstream(path) << out;
 }
 

@@ -15,9 +15,7 @@ constexpr int kBatch = 16;
 /// Points of the unit square to feed the measured function with.
 struct Points {
   float u[kBatch], v[kBatch];
-  explicit Points(std::uint32_t first) {
-    PixelSampler(SamplerKind::sobol, 0, 3, 4).points(0, first, kBatch, u, v);
-  }
+  explicit Points(std::uint32_t first) { PixelSampler(SamplerKind::sobol, 0, 3, 4).points(0, first, kBatch, u, v); }
 };
 
 void bench_sampler(benchmark::State& state) {
@@ -31,14 +29,21 @@ void bench_sampler(benchmark::State& state) {
   }
   state.SetItemsProcessed(state.iterations() * kBatch);
 }
-BENCHMARK(bench_sampler)->ArgName("kind")->Arg(static_cast<int>(SamplerKind::sobol))->Arg(static_cast<int>(SamplerKind::independent));
+BENCHMARK(bench_sampler)
+    ->ArgName("kind")
+    ->Arg(static_cast<int>(SamplerKind::sobol))
+    ->Arg(static_cast<int>(SamplerKind::independent));
 
 template <typename T>
 T make_bsdf();
 template <>
-DiffuseBsdf make_bsdf() { return {Spectrum(0.5f)}; }
+DiffuseBsdf make_bsdf() {
+  return {Spectrum(0.5f)};
+}
 template <>
-DielectricBsdf make_bsdf() { return {Spectrum(1), Spectrum(1), 1.5f}; }
+DielectricBsdf make_bsdf() {
+  return {Spectrum(1), Spectrum(1), 1.5f};
+}
 template <>
 ConductorBsdf make_bsdf() {
   return {{0.2f, 0.9f, 1.1f}, {3.9f, 2.4f, 2.1f}, Spectrum(1), MicrofacetDistribution(MicrofacetKind::beckmann, 0.1f)};

@@ -35,7 +35,9 @@ double wall_seconds() {
 double cpu_seconds() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
@@ -98,8 +100,8 @@ void report_throughput(const char* name, const Loaded& loaded, const RenderSetti
   }
   std::vector<double> ratios;
   for (std::size_t i = 0; i < one.size(); ++i) ratios.push_back(one[i] / two[i]);
-  fmt::print("{:34} {:6.2f} M rays/s on 2 threads, {:.2f} s; 1 to 2 threads: {:.2f} times as fast\n", name, median(rate),
-             median(two), median(ratios));
+  fmt::print("{:34} {:6.2f} M rays/s on 2 threads, {:.2f} s; 1 to 2 threads: {:.2f} times as fast\n", name,
+             median(rate), median(two), median(ratios));
 }
 
 class Recorder : public RayRecorder {
@@ -139,8 +141,8 @@ void report_trace_bound(const char* name, const Loaded& loaded, RenderSettings s
     bounds.push_back(tracing / rendering);
     per_ray.push_back(rendering / rays * 1e9);
   }
-  fmt::print("{:34} trace bound {:.2f} ({:.1f} M rays, {:.0f} ns a ray in the render)\n", name, median(bounds), rays * 1e-6,
-             median(per_ray));
+  fmt::print("{:34} trace bound {:.2f} ({:.1f} M rays, {:.0f} ns a ray in the render)\n", name, median(bounds),
+             rays * 1e-6, median(per_ray));
 }
 
 void report_efficiency(const char* name, const Loaded& loaded, const RenderSettings& s) {
@@ -161,7 +163,8 @@ void report_efficiency(const char* name, const Loaded& loaded, const RenderSetti
     for (int c = 0; c < 3; ++c) {
       double mean = 0, squares = 0;
       for (const Image& picture : pictures) mean += picture.pixels()[p][c] / kSeeds;
-      for (const Image& picture : pictures) squares += (picture.pixels()[p][c] - mean) * (picture.pixels()[p][c] - mean);
+      for (const Image& picture : pictures)
+        squares += (picture.pixels()[p][c] - mean) * (picture.pixels()[p][c] - mean);
       sum += squares / (kSeeds - 1) / (mean * mean + 0.01) / 3;
     }
     relative.push_back(sum);
@@ -173,8 +176,9 @@ void report_efficiency(const char* name, const Loaded& loaded, const RenderSetti
     return sum / static_cast<double>(n);
   };
   const double variance = mean_of(relative.size()), trimmed = mean_of(relative.size() * 999 / 1000);
-  fmt::print("{:34} inverse efficiency {:.3f} CPU s · relative variance ({:.3f} without the worst 0.1 %), {:.2f} CPU s\n",
-             name, median(cpu) * variance, median(cpu) * trimmed, median(cpu));
+  fmt::print(
+      "{:34} inverse efficiency {:.3f} CPU s · relative variance ({:.3f} without the worst 0.1 %), {:.2f} CPU s\n",
+      name, median(cpu) * variance, median(cpu) * trimmed, median(cpu));
 }
 
 /// In a process of its own, so that its peak memory is the reading's.
@@ -195,7 +199,8 @@ void report_million_triangles() {
     const auto triangles = static_cast<double>(scene.triangle_count());
     fmt::print("{:34} read in {:.2f} s, built in {:.2f} s; {:.0f} bytes a triangle at peak ({:.0f} MB file)\n",
                fmt::format("{:.0f} triangles", triangles), read, total - read,
-               static_cast<double>(usage.ru_maxrss) * 1024 / triangles, static_cast<double>(fs::file_size(file)) * 1e-6);
+               static_cast<double>(usage.ru_maxrss) * 1024 / triangles,
+               static_cast<double>(fs::file_size(file)) * 1e-6);
     std::fflush(stdout);
     _exit(0);
   } else {

@@ -8,7 +8,8 @@ packages=(
   libembree-dev libtbb-dev
   libopenimageio-dev openimageio-tools # OpenImageIO's CMake files insist on its command line tools
   fonts-dejavu-core # for the labels of `make figures`
-  libopenexr-dev libimath-dev
+  libopenexr-dev libimath-dev libnanovdb-dev
+  python3-numpy python3-openimageio # for `make conformance`
   libpugixml-dev zlib1g-dev libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev libbenchmark-dev
 )
@@ -24,8 +25,9 @@ done
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   cat >&2 <<'TEXT'
 This script knows Debian and Ubuntu only. Elsewhere, please install: a C++20 compiler (GCC 12 or later), CMake 3.22,
-Ninja, Python 3, Embree 3, oneTBB, OpenImageIO 2.4, OpenEXR 3, Imath 3, pugixml, zlib, CLI11 2, fmt 9, spdlog, nlohmann-json,
-GoogleTest with GoogleMock, Google Benchmark, the DejaVu fonts; Clang with its sanitizer runtime for the fuzzers.
+Ninja, Python 3, Embree 3, oneTBB, OpenImageIO 2.4, OpenEXR 3, Imath 3, NanoVDB 10, pugixml, zlib, CLI11 2, fmt 9, spdlog, nlohmann-json,
+GoogleTest with GoogleMock, Google Benchmark, the DejaVu fonts, NumPy and OpenImageIO's module for /usr/bin/python3; Clang
+with its sanitizer runtime for the fuzzers.
 Then: cmake --preset release.
 TEXT
   exit 1

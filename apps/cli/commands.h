@@ -8,6 +8,7 @@ namespace etendue {
 int run(const PrintText&);
 int run(const RenderOptions&);
 int run(const InfoOptions&);
+int run(const ConvertOptions&);
 int run(const EnvmapOptions&);
 int run(const DiffOptions&);
 

@@ -33,6 +33,7 @@ class HelpFormatter : public CLI::Formatter {
     const std::string& command = app->get_name();
     const std::string arguments = command == "render"    ? " SCENE -o FILE [OPTIONS]"
                                   : command == "info"    ? " SCENE [OPTIONS]"
+                                  : command == "convert" ? " SCENE OUT.xml [OPTIONS]"
                                   : command == "envmap"  ? " FILE [OPTIONS]"
                                   : command == "diff"    ? " A B [OPTIONS]"
                                   : command == "help"    ? " [COMMAND]"
@@ -70,10 +71,12 @@ struct Parser {
   bool quiet = false, verbose = false, version = false;
   RenderFlags render_flags;
   InfoOptions info_options;
+  RenderFlags convert_flags;
+  std::filesystem::path convert_output;
   EnvmapOptions envmap_options;
   DiffOptions diff_options;
   std::string help_topic;
-  CLI::App *render, *info, *envmap, *diff, *help, *print_version;
+  CLI::App *render, *info, *convert, *envmap, *diff, *help, *print_version;
 };
 
 CLI::App* Parser::add_command(const std::string& name, const std::string& about) {
@@ -106,6 +109,13 @@ Parser::Parser() {
   info->add_option("SCENE", info_options.scene, "The scene file");
   flags::definitions(*info, info_options.read.definitions, "Give $NAME of a Mitsuba scene this value");
   info->add_flag("--json", info_options.json, "As JSON");
+
+  convert = add_working_command("convert",
+                                "Write a scene as a Mitsuba 3 scene, with the camera that a render would use. Meshes and\n"
+                                "volumes go into the folder OUT_files beside OUT.xml; pictures stay where they are and\n"
+                                "are referred to");
+  add_convert_flags(*convert, convert_flags);
+  convert->add_option("OUT", convert_output, "The scene to write: .xml");
 
   envmap = add_working_command("envmap", "Say what light an environment map holds");
   envmap->add_option("FILE", envmap_options.file, "The latitude-longitude map");
@@ -185,7 +195,7 @@ std::string nearest_command(const Parser& parser, std::string_view word) {
 
 [[noreturn]] void reject_missing_command(const Parser& parser) {
   const std::vector<std::string> words = parser.app.remaining();
-  if (words.empty()) fail("no command given: render, info, envmap or diff; see etendue --help");
+  if (words.empty()) fail("no command given: render, info, convert, envmap or diff; see etendue --help");
   const auto scene = std::ranges::find_if(words, looks_like_scene);
   const bool is_option = words[0].starts_with('-');
   if (scene != words.end() && (is_option || nearest_command(parser, words[0]).empty()))
@@ -275,6 +285,11 @@ CommandLine parsed(const Parser& p, std::string command_line) {
   } else if (command == p.info) {
     require(!p.info_options.scene.empty(), "info needs a scene: etendue info SCENE");
     line.command = p.info_options;
+  } else if (command == p.convert) {
+    require(!p.convert_output.empty(), "convert needs a scene and a place for it: etendue convert SCENE OUT.xml");
+    RenderFlags flags = p.convert_flags;
+    flags.options.outputs = {p.convert_output};
+    line.command = ConvertOptions{settled(flags), p.convert_output};
   } else if (command == p.envmap) {
     require(!p.envmap_options.file.empty(), "envmap needs a map: etendue envmap FILE");
     line.command = p.envmap_options;

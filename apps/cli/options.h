@@ -60,6 +60,11 @@ struct InfoOptions {
   bool json = false;
 };
 
+struct ConvertOptions {
+  RenderOptions render;  ///< the scene, its surroundings and the camera that a render would use
+  std::filesystem::path output;
+};
+
 struct EnvmapOptions {
   std::filesystem::path file;
   std::optional<std::filesystem::path> debug, pdf;
@@ -79,7 +84,7 @@ struct PrintText {
 
 struct CommandLine {
   LogLevel log_level = LogLevel::normal;
-  std::variant<PrintText, RenderOptions, InfoOptions, EnvmapOptions, DiffOptions> command;
+  std::variant<PrintText, RenderOptions, InfoOptions, ConvertOptions, EnvmapOptions, DiffOptions> command;
 };
 
 /// Reads and checks the program's arguments. Throws Error(Failure::usage) with the remedy.

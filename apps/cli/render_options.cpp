@@ -18,6 +18,11 @@ constexpr std::int64_t kMostPixels = std::int64_t{1} << 30;
 constexpr float kHuge = 1e30f;
 constexpr float kLargestLength = 1e12f;  ///< metres; as far as geometry may reach
 
+void add_scene(CLI::App& app, RenderFlags& f) {
+  app.add_option("SCENE", f.options.scene, "The scene file");
+  flags::definitions(app, f.options.read.definitions, "Give $NAME of a Mitsuba scene this value");
+}
+
 void add_output_flags(CLI::App& app, RenderFlags& f) {
   RenderOptions& o = f.options;
   app.add_option(
@@ -38,16 +43,22 @@ void add_output_flags(CLI::App& app, RenderFlags& f) {
   flags::file(app, "--stats", o.stats, "Write times, rays and memory as JSON (-: to standard output)")->group("Output");
 }
 
-void add_picture_flags(CLI::App& app, RenderFlags& f) {
+void add_resolution_flag(CLI::App& app, RenderFlags& f) {
   RenderSettings& s = f.options.settings;
   RenderOptions::Given& given = f.options.given;
-  flags::add(app, "-r,--resolution", {"W", "H"}, "Width and height in pixels, also as WxH (default: the file's, or 800 600)",
+  flags::add(app, "-r,--resolution", {"W", "H"},
+             "Width and height in pixels, also as WxH (default: the file's, or 800 600)",
              [&s, &given](auto words) {
                given.size = true;
                s.width = flags::parse_number("--resolution", words[0], Range{1, kLargestSide});
                s.height = flags::parse_number("--resolution", words[1], Range{1, kLargestSide});
              })
       ->group("Picture");
+}
+
+void add_picture_flags(CLI::App& app, RenderFlags& f) {
+  RenderSettings& s = f.options.settings;
+  RenderOptions::Given& given = f.options.given;
   flags::add(app, "-p,--crop", {"X", "Y", "W", "H"}, "Render only this part; X Y is its upper left pixel",
              [&s, &given](auto words) {
                given.crop = true;
@@ -92,14 +103,14 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
   flags::number(app, "-l,--light-samples", s.light_samples, Range{0, 65536}, "N",
                 "Samples of every light at every hit (default 0: one sample of one light)")
       ->group("Sampling");
-  flags::add(
-      app, "-m,--max-depth", {"N|unlimited"},
-      "Bounces: 0 emitted light only, 1 direct light (default: the file's, or unlimited)",
-      [&o, &s](auto words) {
-        o.given.depth = true;
-        s.max_depth = words[0] == "unlimited" ? kUnlimitedDepth
-                                              : flags::parse_number("--max-depth", words[0], Range{0, kUnlimitedDepth});
-      })
+  flags::add(app, "-m,--max-depth", {"N|unlimited"},
+             "Bounces: 0 emitted light only, 1 direct light (default: the file's, or unlimited)",
+             [&o, &s](auto words) {
+               o.given.depth = true;
+               s.max_depth = words[0] == "unlimited"
+                                 ? kUnlimitedDepth
+                                 : flags::parse_number("--max-depth", words[0], Range{0, kUnlimitedDepth});
+             })
       ->group("Sampling");
   flags::add(
       app, "-a,--adaptive", {"N", "TOL"},
@@ -127,7 +138,7 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
       ->group("Sampling");
 }
 
-void add_light_flags(CLI::App& app, RenderFlags& f) {
+void add_environment_flags(CLI::App& app, RenderFlags& f) {
   flags::file(app, "-e,--env", f.env, "Light the scene with a latitude-longitude map as well")->group("Light");
   flags::number(app, "--env-intensity", f.env_intensity, Range{0.0f, kHuge}, "X", "Multiplies the map (default 1)")
       ->group("Light");
@@ -137,6 +148,9 @@ void add_light_flags(CLI::App& app, RenderFlags& f) {
   flags::choice<bool>(app, "--env-mapping", f.env_mirrored, {{"standard", false}, {"cgl", true}},
                       "cgl: mirrored, as the teaching renderer shows it")
       ->group("Light");
+}
+
+void add_light_flags(CLI::App& app, RenderFlags& f) {
   flags::choice<EnvironmentSampling>(
       app, "--env-sampling", f.options.compile.environment_sampling,
       {{"importance", EnvironmentSampling::importance}, {"uniform", EnvironmentSampling::uniform}},
@@ -146,14 +160,17 @@ void add_light_flags(CLI::App& app, RenderFlags& f) {
       ->group("Light");
 }
 
-void add_camera_flags(CLI::App& app, RenderFlags& f) {
-  RenderOptions& o = f.options;
+void add_placement_flag(CLI::App& app, RenderFlags& f) {
   flags::choice<CameraPlacement>(
       app, "--camera-placement", f.placement,
       {{"auto", CameraPlacement::automatic}, {"file", CameraPlacement::file}, {"fit", CameraPlacement::fit}},
       "file: the file's camera; fit: the teaching renderer's, aimed at the scene's box "
       "(default auto: fit for files with the CGL profile)")
       ->group("Camera");
+}
+
+void add_camera_flags(CLI::App& app, RenderFlags& f) {
+  RenderOptions& o = f.options;
   flags::file(app, "-c,--camera", o.camera_file, "Camera settings, as --save-camera writes them")->group("Camera");
   flags::file(app, "--save-camera", o.save_camera, "Write the camera's settings")->group("Camera");
   flags::number(app, "-b,--lens-radius", o.lens_radius, Range{0.0f, kLargestLength}, "R",
@@ -248,13 +265,22 @@ std::optional<scene::EnvironmentLight> environment_of(const RenderFlags& f) {
 
 }  // namespace
 
+void add_convert_flags(CLI::App& app, RenderFlags& f) {
+  add_scene(app, f);
+  add_resolution_flag(app, f);
+  add_environment_flags(app, f);
+  add_placement_flag(app, f);
+}
+
 void add_render_flags(CLI::App& app, RenderFlags& f) {
-  app.add_option("SCENE", f.options.scene, "The scene file");
-  flags::definitions(app, f.options.read.definitions, "Give $NAME of a Mitsuba scene this value");
+  add_scene(app, f);
   add_output_flags(app, f);
+  add_resolution_flag(app, f);
   add_picture_flags(app, f);
   add_sampling_flags(app, f);
+  add_environment_flags(app, f);
   add_light_flags(app, f);
+  add_placement_flag(app, f);
   add_camera_flags(app, f);
   add_machine_flags(app, f);
 }

@@ -24,7 +24,11 @@ struct RenderFlags {
 /// Declares the flags; `flags` has to outlive the parse.
 void add_render_flags(CLI::App& app, RenderFlags& flags);
 
-/// Whether a picture of this size can be made, and what the flags point at lies within it. Throws Error(Failure::usage).
+/// Declares those that `etendue convert` has as well: which scene, which camera, which picture, which surroundings.
+void add_convert_flags(CLI::App& app, RenderFlags& flags);
+
+/// Whether a picture of this size can be made, and what the flags point at lies within it. Throws
+/// Error(Failure::usage).
 void check_picture(const RenderOptions& options);
 
 /// What the flags mean together. Throws Error(Failure::usage) where they contradict each other.

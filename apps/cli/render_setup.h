@@ -9,8 +9,8 @@ namespace etendue {
 /// The scene file with the environment map that was asked for. Throws Error(Failure::input).
 scene::SceneDescription read_description(const RenderOptions& options, Diagnostics& diagnostics);
 
-/// The options with what the file asks of its picture, where they left that open. Throws Error(Failure::usage) if such a
-/// picture cannot be made.
+/// The options with what the file asks of its picture, where they left that open. Throws Error(Failure::usage) if such
+/// a picture cannot be made.
 RenderOptions with_file_settings(RenderOptions options, const scene::SceneDescription& description);
 
 /// A compiled scene and where its picture is taken from.

@@ -29,7 +29,8 @@ std::string excerpt(const std::filesystem::path& path, SourceLocation where) {
   const std::size_t begin = column > kExcerptWidth * 3 / 4 ? column - kExcerptWidth / 2 : 0;
   if (begin >= text.size()) return {};
   text = text.substr(begin, kExcerptWidth);
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
   std::string out = "\n    " + text;
   if (where.column > 0) out += "\n    " + std::string(column - begin, ' ') + "^";
   return out;
@@ -47,11 +48,15 @@ void Diagnostics::add(Severity severity, std::string message, SourceLocation whe
   diagnostics_.push_back({severity, std::move(message), where, 1});
 }
 
-void Diagnostics::info(std::string message, SourceLocation where) { add(Severity::info, std::move(message), where); }
+void Diagnostics::info(std::string message, SourceLocation where) {
+  add(Severity::info, std::move(message), where);
+}
 void Diagnostics::warning(std::string message, SourceLocation where) {
   add(Severity::warning, std::move(message), where);
 }
-void Diagnostics::error(std::string message, SourceLocation where) { add(Severity::error, std::move(message), where); }
+void Diagnostics::error(std::string message, SourceLocation where) {
+  add(Severity::error, std::move(message), where);
+}
 
 void Diagnostics::repaired(std::string_view message, SourceLocation where, std::uint64_t times) {
   if (times == 0) return;

@@ -22,9 +22,9 @@ enum class Severity { info, warning, error };
 /// One thing worth telling the user.
 struct Diagnostic {
   Severity severity = Severity::info;
-  std::string message;          ///< what is the case, and the remedy
-  SourceLocation where;         ///< the first place
-  std::uint64_t count = 1;      ///< how often the same repair was made
+  std::string message;      ///< what is the case, and the remedy
+  SourceLocation where;     ///< the first place
+  std::uint64_t count = 1;  ///< how often the same repair was made
 };
 
 /// Collects what reading and compiling a scene has to say, so that everything that can be reported in one go is.
@@ -45,7 +45,8 @@ class Diagnostics {
   const std::vector<Diagnostic>& all() const { return diagnostics_; }
   bool has_errors() const { return errors_ > 0; }
 
-  /// "file:line:column: warning: message"; warnings and errors are followed by the source line and a caret where the place is known.
+  /// "file:line:column: warning: message"; warnings and errors are followed by the source line and a caret where the
+  /// place is known.
   std::string format(const Diagnostic& diagnostic) const;
 
   /// Throws Error(Failure::input) with all collected errors, formatted, if there is any.

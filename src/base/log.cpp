@@ -23,15 +23,29 @@ spdlog::logger& logger() {
 
 void set_log_level(LogLevel level) {
   switch (level) {
-    case LogLevel::quiet: logger().set_level(spdlog::level::err); break;
-    case LogLevel::normal: logger().set_level(spdlog::level::info); break;
-    case LogLevel::verbose: logger().set_level(spdlog::level::debug); break;
+    case LogLevel::quiet:
+      logger().set_level(spdlog::level::err);
+      break;
+    case LogLevel::normal:
+      logger().set_level(spdlog::level::info);
+      break;
+    case LogLevel::verbose:
+      logger().set_level(spdlog::level::debug);
+      break;
   }
 }
 
-void log_debug(std::string_view message) { logger().debug("{}", message); }
-void log_info(std::string_view message) { logger().info("{}", message); }
-void log_warning(std::string_view message) { logger().warn("{}", message); }
-void log_error(std::string_view message) { logger().error("{}", message); }
+void log_debug(std::string_view message) {
+  logger().debug("{}", message);
+}
+void log_info(std::string_view message) {
+  logger().info("{}", message);
+}
+void log_warning(std::string_view message) {
+  logger().warn("{}", message);
+}
+void log_error(std::string_view message) {
+  logger().error("{}", message);
+}
 
 }  // namespace etendue

@@ -7,8 +7,10 @@
 namespace etendue {
 
 /// Calls `body(begin, end)` for disjoint ranges that cover [0, count), on the machine's threads. Ranges are at most
-/// `grain` long. Exceptions of `body` reach the caller. The order of calls is not determined: results must not depend on it.
-void parallel_for(std::size_t count, std::size_t grain, const std::function<void(std::size_t begin, std::size_t end)>& body);
+/// `grain` long. Exceptions of `body` reach the caller. The order of calls is not determined: results must not depend
+/// on it.
+void parallel_for(std::size_t count, std::size_t grain,
+                  const std::function<void(std::size_t begin, std::size_t end)>& body);
 
 /// While it lives, no more than `threads` threads work (0: all of the machine's).
 class ThreadLimit {

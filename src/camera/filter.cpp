@@ -7,7 +7,8 @@ namespace etendue {
 namespace {
 
 constexpr float kMostRadius = 16;
-/// Cells of equal probability; what a cell's constant density lacks goes into its weight, so that no picture is biased by their number.
+/// Cells of equal probability; what a cell's constant density lacks goes into its weight, so that no picture is biased
+/// by their number.
 constexpr int kCells = 1 << 10;
 /// Steps of the integral from which the cells are made.
 constexpr int kSteps = 1 << 16;
@@ -29,15 +30,20 @@ float sinc(float x) {
 
 float PixelFilter::value(const scene::ReconstructionFilter& filter, float x) {
   switch (filter.kind) {
-    case scene::FilterKind::box: return std::abs(x) <= filter.radius ? 1.0f : 0.0f;
-    case scene::FilterKind::tent: return std::max(0.0f, 1 - std::abs(x) / filter.radius);
+    case scene::FilterKind::box:
+      return std::abs(x) <= filter.radius ? 1.0f : 0.0f;
+    case scene::FilterKind::tent:
+      return std::max(0.0f, 1 - std::abs(x) / filter.radius);
     case scene::FilterKind::gaussian: {
       const float sigma = filter.radius / 4;
       return std::max(0.0f, std::exp(-0.5f * square(x / sigma)) - std::exp(-8.0f));
     }
-    case scene::FilterKind::mitchell: return cubic(2 * x / filter.radius, filter.b, filter.c);
-    case scene::FilterKind::catmull_rom: return cubic(2 * x / filter.radius, 0, 0.5f);
-    case scene::FilterKind::lanczos: return std::abs(x) < filter.radius ? sinc(x) * sinc(x / filter.radius) : 0.0f;
+    case scene::FilterKind::mitchell:
+      return cubic(2 * x / filter.radius, filter.b, filter.c);
+    case scene::FilterKind::catmull_rom:
+      return cubic(2 * x / filter.radius, 0, 0.5f);
+    case scene::FilterKind::lanczos:
+      return std::abs(x) < filter.radius ? sinc(x) * sinc(x / filter.radius) : 0.0f;
   }
   return 0;
 }
@@ -59,7 +65,8 @@ PixelFilter::PixelFilter(const scene::ReconstructionFilter& filter)
   const auto place = [&](double share) {  // where the absolute integral reaches this share
     const auto above = std::ranges::upper_bound(absolute, share * total);
     const auto i = std::clamp<std::ptrdiff_t>(above - absolute.begin() - 1, 0, kSteps - 1);
-    const double within = absolute[i + 1] > absolute[i] ? (share * total - absolute[i]) / (absolute[i + 1] - absolute[i]) : 0;
+    const double within =
+        absolute[i + 1] > absolute[i] ? (share * total - absolute[i]) / (absolute[i + 1] - absolute[i]) : 0;
     return static_cast<double>(i) + std::clamp(within, 0.0, 1.0);
   };
   const auto signed_at = [&](double x) {

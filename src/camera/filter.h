@@ -7,9 +7,10 @@
 
 namespace etendue {
 
-/// How samples near a pixel count towards it, by sampling the filter: each sample belongs to one pixel, lies about its centre with the
-/// density of |filter|, and carries the filter's sign (Ernst, Stamminger and Greiner 2006, "Filter Importance Sampling"). Pixels stay
-/// independent of each other, and those at the border look beyond it as all others do. Separable: f(x) f(y), each with integral 1.
+/// How samples near a pixel count towards it, by sampling the filter: each sample belongs to one pixel, lies about its
+/// centre with the density of |filter|, and carries the filter's sign (Ernst, Stamminger and Greiner 2006, "Filter
+/// Importance Sampling"). Pixels stay independent of each other, and those at the border look beyond it as all others
+/// do. Separable: f(x) f(y), each with integral 1.
 class PixelFilter {
  public:
   /// Lengths are brought into reason: the radius into (0, 16] pixels.

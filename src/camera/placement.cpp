@@ -105,10 +105,14 @@ Camera framing_camera(const Bounds3& bounds, float aspect) {
 
 Projection projection_of(const scene::Camera& camera) {
   switch (camera.projection) {
-    case scene::Projection::perspective: return Projection::perspective;
-    case scene::Projection::orthographic: return Projection::orthographic;
-    case scene::Projection::radiance: return Projection::radiance;
-    case scene::Projection::irradiance: return Projection::irradiance;
+    case scene::Projection::perspective:
+      return Projection::perspective;
+    case scene::Projection::orthographic:
+      return Projection::orthographic;
+    case scene::Projection::radiance:
+      return Projection::radiance;
+    case scene::Projection::irradiance:
+      return Projection::irradiance;
   }
   return Projection::perspective;
 }
@@ -153,9 +157,10 @@ Camera fit_camera(const scene::Camera& from, const Bounds3& bounds, HalfExtent e
   camera.focal_distance = kFitDistance * diagonal;
 
   if (static_cast<float>(width) < kFitWidth && static_cast<float>(height) < kFitHeight)
-    diagnostics.info(fmt::format("the fit camera shows the middle {} x {} of its {} x {} view, as the course's renderer does; "
-                                 "--camera-placement file shows all of the file's own",
-                                 width, height, kFitWidth, kFitHeight));
+    diagnostics.info(
+        fmt::format("the fit camera shows the middle {} x {} of its {} x {} view, as the course's renderer does; "
+                    "--camera-placement file shows all of the file's own",
+                    width, height, kFitWidth, kFitHeight));
 
   const float needed = depth_of_far_corner(camera.to_world, bounds);
   if (camera.far_clip > 0 && camera.far_clip < needed)

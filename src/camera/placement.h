@@ -15,10 +15,10 @@ enum class CameraPlacement {
 
 /// The camera for a picture of `width` × `height` pixels. `bounds` is the world-space box of all geometry.
 ///
-/// `file`: the field of view is the file's; where the picture's aspect differs from the file's it grows along the too-narrow side.
-/// `fit`: looks at the box' centre from 1.5 × its diagonal away, along the direction M·(0,0,−1) (M: the camera node's matrix, y-up
-/// world), and a pixel is as large as in an 800 × 600 picture.
-/// A scene without camera is framed from the front, whole; diagnostics says so.
+/// `file`: the field of view is the file's; where the picture's aspect differs from the file's it grows along the
+/// too-narrow side. `fit`: looks at the box' centre from 1.5 × its diagonal away, along the direction M·(0,0,−1) (M:
+/// the camera node's matrix, y-up world), and a pixel is as large as in an 800 × 600 picture. A scene without camera is
+/// framed from the front, whole; diagnostics says so.
 Camera place_camera(const scene::SceneDescription& scene, const Bounds3& bounds, CameraPlacement placement, int width,
                     int height, Diagnostics& diagnostics);
 

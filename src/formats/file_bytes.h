@@ -23,6 +23,16 @@ requires std::integral<T> || std::floating_point<T> T load_number(const char* by
   return std::bit_cast<T>(ordered);
 }
 
+/// Adds the number's bytes to `bytes`, the little end first.
+template <typename T>
+requires std::integral<T> || std::floating_point<T>
+void store_number(std::string& bytes, T number) {
+  char ordered[sizeof(T)];
+  std::memcpy(ordered, &number, sizeof(T));
+  if (std::endian::native != std::endian::little) std::reverse(std::begin(ordered), std::end(ordered));
+  bytes.append(ordered, sizeof(T));
+}
+
 /// Takes little-endian numbers off the front of bytes that came from a file.
 class ByteReader {
  public:

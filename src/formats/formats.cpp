@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "formats/collada/collada.h"
 #include "formats/mitsuba/mitsuba.h"
+#include "formats/mitsuba/writer/scene_writer.h"
 
 namespace etendue {
 namespace {
@@ -28,7 +29,7 @@ scene::SceneDescription read_mitsuba(const fs::path& path, const ReadOptions& op
 constexpr std::array<std::string_view, 1> kColladaExtensions = {".dae"}, kMitsubaExtensions = {".xml"};
 constexpr SceneFormat kFormats[] = {
     {"COLLADA", kColladaExtensions, read_collada},
-    {"Mitsuba", kMitsubaExtensions, read_mitsuba},
+    {"Mitsuba", kMitsubaExtensions, read_mitsuba, mitsuba::write_file},
 };
 constexpr const SceneFormat& kCollada = kFormats[0];
 
@@ -78,6 +79,18 @@ const SceneFormat& format_of(const fs::path& path) {
                      extension.empty() ? "without extension" : fmt::format("that end in \"{}\"", extension), known));
 }
 
+const SceneFormat& written_format_of(const fs::path& path) {
+  const std::string extension = lower_case_extension(path);
+  std::string known;
+  for (const SceneFormat& format : kFormats)
+    for (const std::string_view candidate : format.extensions) {
+      if (format.write == nullptr) continue;
+      if (candidate == extension) return format;
+      known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", candidate, format.name);
+    }
+  throw Error(Failure::usage, fmt::format("{}: scenes are written as {}; choose a name that ends so", path.string(), known));
+}
+
 }  // namespace
 
 std::span<const SceneFormat> scene_formats() {
@@ -88,6 +101,14 @@ scene::SceneDescription read_scene(const std::filesystem::path& path, Diagnostic
                                    const ReadOptions& options) {
   require_content(path);
   return format_of(path).read(path, options, diagnostics);
+}
+
+void check_scene_writable(const std::filesystem::path& path) {
+  written_format_of(path);
+}
+
+void write_scene(const std::filesystem::path& path, const scene::SceneDescription& scene, Diagnostics& diagnostics) {
+  written_format_of(path).write(path, scene, diagnostics);
 }
 
 }  // namespace etendue

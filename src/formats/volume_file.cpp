@@ -65,4 +65,16 @@ VolumeFile parse_volume_file(std::string_view bytes, const std::string& name, Di
   return volume;
 }
 
+std::string volume_file_bytes(const scene::GridVolume& grid) {
+  std::string bytes = "VOL";
+  store_number(bytes, std::uint8_t{3});
+  store_number(bytes, std::int32_t{1});
+  for (const int cells : grid.size) store_number(bytes, std::int32_t{cells});
+  store_number(bytes, std::int32_t{grid.channels});
+  for (const float corner : {0.0f, 1.0f})
+    for (int axis = 0; axis < 3; ++axis) store_number(bytes, corner);
+  for (const float value : grid.values) store_number(bytes, value);
+  return bytes;
+}
+
 }  // namespace etendue

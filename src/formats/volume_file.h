@@ -23,4 +23,7 @@ VolumeFile read_volume_file(const std::filesystem::path& file, Diagnostics& diag
 /// The same for a file's bytes; `name` stands for the file in messages.
 VolumeFile parse_volume_file(std::string_view bytes, const std::string& name, Diagnostics& diagnostics);
 
+/// The bytes of the .vol file that holds these values and says that they fill the unit cube.
+std::string volume_file_bytes(const scene::GridVolume& grid);
+
 }  // namespace etendue

@@ -11,7 +11,8 @@ namespace {
 
 RTCDevice make_device() {
   RTCDevice device = rtcNewDevice(nullptr);
-  if (device == nullptr) throw Error(Failure::internal, "the ray tracing kernels (Embree) could not be started on this machine");
+  if (device == nullptr)
+    throw Error(Failure::internal, "the ray tracing kernels (Embree) could not be started on this machine");
   return device;
 }
 
@@ -207,9 +208,9 @@ void Geometry::build() {
     e.attach(e.scene, e.make_instance(e.group_scenes[instance.group], instance.to_world), shape++);
   e.commit(e.scene);
   if (const RTCError error = rtcGetDeviceError(e.device); error != RTC_ERROR_NONE)
-    throw Error(Failure::input, fmt::format("the acceleration structure for {} triangles could not be built: {}",
-                                            triangle_count_,
-                                            error == RTC_ERROR_OUT_OF_MEMORY ? "memory does not suffice" : "Embree refused"));
+    throw Error(Failure::input,
+                fmt::format("the acceleration structure for {} triangles could not be built: {}", triangle_count_,
+                            error == RTC_ERROR_OUT_OF_MEMORY ? "memory does not suffice" : "Embree refused"));
 }
 
 RayHit Geometry::resolved(RayHit hit, std::uint32_t embree_instance) const {

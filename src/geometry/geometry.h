@@ -21,9 +21,9 @@ namespace etendue {
 
 inline constexpr std::uint32_t kNone = 0xffffffffu;
 
-/// Bound of a surface point's rounding error, as a share of the largest coordinate that it was computed from: barycentric interpolation of
-/// three vertices in floats is within γ₇ ≈ 7·2⁻²⁴ of exact (Higham 2002, section 3.1); the ray that comes back rounds as much again, and
-/// Embree's t adds its own.
+/// Bound of a surface point's rounding error, as a share of the largest coordinate that it was computed from:
+/// barycentric interpolation of three vertices in floats is within γ₇ ≈ 7·2⁻²⁴ of exact (Higham 2002, section 3.1); the
+/// ray that comes back rounds as much again, and Embree's t adds its own.
 inline constexpr float kRelativeError = 32 * 0x1p-24f;
 
 /// Values at a mesh's vertices or triangles.
@@ -42,7 +42,6 @@ struct TriangleMesh {
   std::vector<Vec2> uvs;      ///< empty: none; else one a vertex
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<MeshAttribute> attributes = {};
-  std::vector<Vec3> tangents = {};  ///< empty, or one a vertex from vertex_tangents(): they smooth the shading frames
 };
 
 /// A sphere in world space, or in that of its group; its front is the outside.
@@ -56,11 +55,12 @@ struct SphereShape {
 
 /// What a ray meets first: enough to find out more, as small as possible.
 struct RayHit {
-  float t = 0;                    ///< distance in units of the ray's direction
-  float u = 0, v = 0;             ///< weights of a triangle's second and third vertex; a disk's or cylinder's point_at(); u: along a curve's segment
-  std::uint32_t shape = kNone;    ///< index of the shape, in order of addition; kNone: nothing was hit
-  std::uint32_t primitive = 0;    ///< triangle within the mesh, segment within the curves
-  std::uint32_t instance = kNone; ///< through which a group's shape was met; kNone: the shape is in no group
+  float t = 0;  ///< distance in units of the ray's direction
+  /// Weights of a triangle's second and third vertex; a disk's or cylinder's point_at(); u: along a curve's segment.
+  float u = 0, v = 0;
+  std::uint32_t shape = kNone;     ///< index of the shape, in order of addition; kNone: nothing was hit
+  std::uint32_t primitive = 0;     ///< triangle within the mesh, segment within the curves
+  std::uint32_t instance = kNone;  ///< through which a group's shape was met; kNone: the shape is in no group
 
   bool found() const { return shape != kNone; }
 };
@@ -76,22 +76,11 @@ struct SurfaceHit {
 /// How texture coordinates run over a surface point.
 struct Parametrization {
   Vec2 uv;
-  Vec3 dp_du, dp_dv;      ///< world space, per unit of uv; any two tangents where a mesh's coordinates say nothing
-  Vec3 tangent{0, 0, 0};  ///< direction that shading frames follow, not normalised; zero: none is better than another
-  bool mirrored = false;  ///< shading frames are left-handed: a mesh's coordinates run clockwise seen from the front
+  Vec3 dp_du, dp_dv;  ///< world space, per unit of uv; any two tangents where a mesh's coordinates say nothing
 };
 
-/// Orthonormal frame of a unit shading normal for anisotropic materials and normal maps: s along the parametrisation's
-/// tangent, t on the side where v grows if that is a mesh's; Frame::from_normal where there is no tangent.
-Frame shading_frame(const Vec3& shading_normal, const Parametrization& parametrization);
-
-/// Directions of growing u at a mesh's vertices, unit, perpendicular to the normals: means over the triangles around,
-/// weighted by their angles there (Thürmer and Wüthrich 1998). Zero where coordinates say nothing. The mesh has normals
-/// and uvs.
-std::vector<Vec3> vertex_tangents(const TriangleMesh& mesh);
-
-/// Whether a group may be placed by this map: it is finite, invertible, and shrinks in no direction to less than about 4·10⁻⁶, where
-/// rays that start 10¹² away would overflow in the group's space.
+/// Whether a group may be placed by this map: it is finite, invertible, and shrinks in no direction to less than about
+/// 4·10⁻⁶, where rays that start 10¹² away would overflow in the group's space.
 bool can_place(const Transform& to_world);
 
 /// Sees every ray that a Geometry traces: for measuring what tracing alone costs. Called by the tracing thread.
@@ -127,7 +116,8 @@ class Geometry {
   /// Places a finished group by a map that can_place() allows. Returns the instance's index.
   std::uint32_t add_instance(std::uint32_t group, const Transform& to_world);
 
-  /// Builds the acceleration structure; once, after all shapes were added. Throws Error(Failure::input) when memory does not suffice.
+  /// Builds the acceleration structure; once, after all shapes were added. Throws Error(Failure::input) when memory
+  /// does not suffice.
   void build();
 
   RayHit intersect(const Ray& ray) const;
@@ -138,8 +128,9 @@ class Geometry {
 
   /// Position and normals where `ray` met something.
   SurfaceHit surface(const Ray& ray, const RayHit& hit) const;
-  /// Texture coordinates there: the mesh's, or its barycentric weights if it has none; on a sphere longitude and latitude, v up; on a disk
-  /// radius and angle / 2π, on a cylinder angle / 2π and height, on curves angle / 2π and the place along all segments.
+  /// Texture coordinates there: the mesh's, or its barycentric weights if it has none; on a sphere longitude and
+  /// latitude, v up; on a disk radius and angle / 2π, on a cylinder angle / 2π and height, on curves angle / 2π and the
+  /// place along all segments.
   Vec2 texture_coordinates(const RayHit& hit, const SurfaceHit& surface) const;
   /// The same coordinates and how they run there. `surface` is what surface() gave for the hit.
   Parametrization parametrization(const RayHit& hit, const SurfaceHit& surface) const;
@@ -185,7 +176,6 @@ class Geometry {
     Transform to_world;
     LocalSpace local;
     Transform rounding;  ///< linear part: what an error of one unit in each world coordinate can become in local ones
-    bool mirrored;
   };
   struct Embree;
 
@@ -216,8 +206,8 @@ class Geometry {
   RayRecorder* recorder_ = nullptr;
 };
 
-/// Start of a ray that leaves `hit` into `direction`: off the surface, on the side that the direction points to, by more than the
-/// rounding errors of the position and less than anything that is seen.
+/// Start of a ray that leaves `hit` into `direction`: off the surface, on the side that the direction points to, by
+/// more than the rounding errors of the position and less than anything that is seen.
 inline Point3 offset_origin(const SurfaceHit& hit, const Vec3& direction) {
   const float side = dot(hit.geometric_normal, direction) < 0 ? -hit.error : hit.error;
   return hit.position + hit.geometric_normal * side;

@@ -43,7 +43,6 @@ Parametrization parametrization_of(const SphereShape& s, const Vec3& outward) {
   out.uv = {0.5f + 0.5f * kInvPi * std::atan2(y, x), 1 - std::acos(cosine) * kInvPi};
   out.dp_du = cross(s.pole, outward) * (2 * kPi * s.radius);
   out.dp_dv = (s.pole * sine - level * cosine) * (kPi * s.radius);
-  out.tangent = out.dp_du;
   return out;
 }
 
@@ -56,7 +55,6 @@ Parametrization parametrization_of(const DiskShape& disk, float x, float y) {
   out.uv = {std::min(radius, 1.0f), turns < 0 ? turns + 1 : turns};
   out.dp_du = disk.to_world.vector({c, s, 0});
   out.dp_dv = disk.to_world.vector({-s, c, 0}) * (2 * kPi * radius);
-  out.tangent = out.dp_du;
   return out;
 }
 
@@ -73,8 +71,7 @@ Geometry::Instance::Instance(std::uint32_t of, std::uint32_t first, const Transf
       first_shape(first),
       to_world(place),
       local(place),
-      rounding(rounding_into(place, local)),
-      mirrored(place.determinant() < 0) {}
+      rounding(rounding_into(place, local)) {}
 
 bool can_place(const Transform& to_world) {
   constexpr double kLargest = 2.5e5;
@@ -125,8 +122,6 @@ Parametrization Geometry::parametrization(const RayHit& hit, const SurfaceHit& s
   Parametrization out = own_parametrization(hit, own);
   out.dp_du = m.vector(out.dp_du);
   out.dp_dv = m.vector(out.dp_dv);
-  out.tangent = m.vector(out.tangent);
-  out.mirrored = out.mirrored != instance.mirrored;
   return out;
 }
 
@@ -142,11 +137,11 @@ Parametrization Geometry::own_parametrization(const RayHit& hit, const SurfaceHi
       return parametrization_of(disk(hit.shape), hit.u, hit.v);
     case Kind::cylinder: {
       const ShapePoint at = point_at(cylinder(hit.shape), hit.u, hit.v);
-      return {{hit.u, hit.v}, at.dp_da, at.dp_db, at.dp_da};
+      return {{hit.u, hit.v}, at.dp_da, at.dp_db};
     }
     case Kind::curves: {
       const CurveParametrization at = parametrization_of(curves(hit.shape), hit.primitive, hit.u, n);
-      return {at.uv, at.dp_du, at.dp_dv, at.dp_du};
+      return {at.uv, at.dp_du, at.dp_dv};
     }
   }
   return {};
@@ -172,40 +167,6 @@ Parametrization Geometry::mesh_parametrization(const RayHit& hit, const SurfaceH
     out.dp_dv = any.t;
     return out;
   }
-  out.tangent = out.dp_du;
-  if (!m.tangents.empty())
-    out.tangent = m.tangents[a] * (1 - hit.u - hit.v) + m.tangents[b] * hit.u + m.tangents[c] * hit.v;
-  out.mirrored = determinant < 0;
-  return out;
-}
-
-Frame shading_frame(const Vec3& n, const Parametrization& parametrization) {
-  const Vec3 s = direction_of(parametrization.tangent - n * dot(n, parametrization.tangent));
-  if (s == Vec3(0)) return Frame::from_normal(n);
-  const Vec3 t = cross(n, s);
-  return {s, parametrization.mirrored ? -t : t, n};
-}
-
-std::vector<Vec3> vertex_tangents(const TriangleMesh& mesh) {
-  std::vector<Vec3> out(mesh.positions.size(), Vec3(0));
-  for (const auto& triangle : mesh.triangles) {
-    const auto& [a, b, c] = triangle;
-    const Vec3 first = mesh.positions[b] - mesh.positions[a], second = mesh.positions[c] - mesh.positions[a];
-    const Vec2 along_first = mesh.uvs[b] - mesh.uvs[a], along_second = mesh.uvs[c] - mesh.uvs[a];
-    const float determinant = along_first.x * along_second.y - along_first.y * along_second.x;
-    const Vec3 u = (first * along_second.y - second * along_first.y) * (determinant < 0 ? -1.0f : 1.0f);
-    if (determinant == 0) continue;
-    for (int corner = 0; corner < 3; ++corner) {
-      const std::uint32_t vertex = triangle[corner];
-      const auto level = [&](const Vec3& v) {
-        return direction_of(v - mesh.normals[vertex] * dot(v, mesh.normals[vertex]));
-      };
-      const Vec3 next = level(mesh.positions[triangle[(corner + 1) % 3]] - mesh.positions[vertex]);
-      const Vec3 last = level(mesh.positions[triangle[(corner + 2) % 3]] - mesh.positions[vertex]);
-      out[vertex] += level(u) * std::acos(std::clamp(dot(next, last), -1.0f, 1.0f));
-    }
-  }
-  for (Vec3& tangent : out) tangent = direction_of(tangent);
   return out;
 }
 

@@ -26,17 +26,18 @@ void require_file(const std::filesystem::path& path) {
 void require_sane(const std::filesystem::path& path, const OIIO::ImageSpec& spec, std::uint64_t most_pixels) {
   if (spec.deep || spec.depth > 1) cannot_read(path, "deep pictures and volumes are not read; please flatten it");
   if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0)
-    cannot_read(path, fmt::format("its size is {} × {} pixels with {} channels; the file is damaged", spec.width, spec.height,
-                           spec.nchannels));
+    cannot_read(path, fmt::format("its size is {} × {} pixels with {} channels; the file is damaged", spec.width,
+                                  spec.height, spec.nchannels));
   const std::uint64_t pixels = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
   if (pixels > most_pixels || spec.nchannels > kMostChannels)
-    cannot_read(path, fmt::format(
-                   "{} × {} pixels with {} channels are more than the {} million pixels and {} channels that are read",
-                   spec.width, spec.height, spec.nchannels, most_pixels >> 20, kMostChannels));
+    cannot_read(
+        path,
+        fmt::format("{} × {} pixels with {} channels are more than the {} million pixels and {} channels that are read",
+                    spec.width, spec.height, spec.nchannels, most_pixels >> 20, kMostChannels));
   const std::uint64_t file_bytes = std::filesystem::file_size(path);
   if (spec.image_bytes() / kMostExpansion > file_bytes)
-    cannot_read(path, fmt::format("it claims {} × {} pixels but has only {} bytes; the file is damaged or cut off", spec.width,
-                           spec.height, file_bytes));
+    cannot_read(path, fmt::format("it claims {} × {} pixels but has only {} bytes; the file is damaged or cut off",
+                                  spec.width, spec.height, file_bytes));
 }
 
 /// The decoder fills in grey for the missing part of a JPEG file and says nothing. Coded data has no markers, so a
@@ -70,7 +71,8 @@ OpenPicture::OpenPicture(const std::filesystem::path& path, std::uint64_t most_p
   input_ = OIIO::ImageInput::open(path.string(), &configuration);
   // OpenImageIO's reader "null" makes up a picture for anything with its ending.
   if (!input_ || format() == "null")
-    cannot_read(path, fmt::format("it is not a picture of a known format, or damaged ({})", short_quote(OIIO::geterror())));
+    cannot_read(path,
+                fmt::format("it is not a picture of a known format, or damaged ({})", short_quote(OIIO::geterror())));
   if (format() == "jpeg") require_jpeg_end(path);
   require_sane(path, spec(), most_pixels);
 }

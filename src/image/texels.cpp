@@ -30,7 +30,8 @@ const float* byte_table(ColorEncoding encoding) {
 /// The cache that all pictures share.
 OIIO::ImageCache& tile_cache() {
   static const std::shared_ptr<OIIO::ImageCache> cache = [] {
-    std::shared_ptr<OIIO::ImageCache> made(OIIO::ImageCache::create(false), [](OIIO::ImageCache* c) { OIIO::ImageCache::destroy(c); });
+    std::shared_ptr<OIIO::ImageCache> made(OIIO::ImageCache::create(false),
+                                           [](OIIO::ImageCache* c) { OIIO::ImageCache::destroy(c); });
     made->attribute("max_memory_MB", kCacheMegabytes);
     made->attribute("autotile", kTileSide);
     made->attribute("unassociatedalpha", 1);
@@ -53,7 +54,8 @@ class Texels::Tiles {
   Spectrum at(int x, int y) const {
     OIIO::ImageCache& cache = tile_cache();
     OIIO::ImageCache::Tile* tile = cache.get_tile(name_, 0, 0, x, y, 0);
-    if (tile == nullptr) return Spectrum(std::numeric_limits<float>::quiet_NaN());  // the file vanished: counted as an invalid sample
+    if (tile == nullptr)
+      return Spectrum(std::numeric_limits<float>::quiet_NaN());  // the file vanished: counted as an invalid sample
     OIIO::TypeDesc type;
     const auto* values = static_cast<const float*>(cache.tile_pixels(tile, type));
     const OIIO::ROI roi = cache.tile_roi(tile);

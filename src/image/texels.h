@@ -11,8 +11,9 @@
 
 namespace etendue {
 
-/// The texels of a picture of any size, as linear Rec. 709; row 0 is the top. Bytes are kept as bytes and decoded when asked for. Pictures of
-/// more than kMostTexelsInMemory stay on disk: their tiles are read when needed and kept in OpenImageIO's cache, all pictures together.
+/// The texels of a picture of any size, as linear Rec. 709; row 0 is the top. Bytes are kept as bytes and decoded when
+/// asked for. Pictures of more than kMostTexelsInMemory stay on disk: their tiles are read when needed and kept in
+/// OpenImageIO's cache, all pictures together.
 class Texels {
  public:
   static constexpr std::uint64_t kMostTexelsInMemory = std::uint64_t{1} << 26;
@@ -23,7 +24,8 @@ class Texels {
   int height() const { return height_; }
   /// 0 ≤ x < width, 0 ≤ y < height. Thread-safe.
   Spectrum at(int x, int y) const;
-  /// Brings every channel of a float picture in memory into [0, maximum], NaN to 0; returns how many texels that changed.
+  /// Brings every channel of a float picture in memory into [0, maximum], NaN to 0; returns how many texels that
+  /// changed.
   std::size_t clamp(float maximum);
 
  private:

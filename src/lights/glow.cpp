@@ -12,7 +12,8 @@ constexpr int kMostDivisions = 128;
 /// What a small triangle without light in its middle counts for, in mean ones: its border may shine.
 constexpr double kLeastShare = 0.05;
 
-/// A part of a triangle that is divided `n` by `n`: the cell (i, j), its half before or behind the diagonal. Cells lie row by row.
+/// A part of a triangle that is divided `n` by `n`: the cell (i, j), its half before or behind the diagonal. Cells lie
+/// row by row.
 struct Part {
   int i, j;
   bool upper;
@@ -23,7 +24,8 @@ struct Part {
     return {i, index / 2, index % 2 == 1};
   }
   static Part holding(float b1, float b2, int n) {
-    const float x = std::clamp(b1, 0.0f, 1.0f) * static_cast<float>(n), y = std::clamp(b2, 0.0f, 1.0f) * static_cast<float>(n);
+    const float x = std::clamp(b1, 0.0f, 1.0f) * static_cast<float>(n),
+                y = std::clamp(b2, 0.0f, 1.0f) * static_cast<float>(n);
     const int i = std::min(static_cast<int>(x), n - 1), j = std::min(static_cast<int>(y), n - 1 - i);
     const bool upper = x - static_cast<float>(i) + (y - static_cast<float>(j)) > 1 && i + j < n - 1;
     return {i, j, upper};
@@ -75,13 +77,15 @@ float to_solid_angle(const Point3& from, const LightHit& hit, float pdf_area) {
 
 Spectrum Glow::at(const RayHit& hit, const SurfaceHit& surface) const {
   if (const Spectrum* constant = std::get_if<Spectrum>(&radiance)) return *constant;
-  return evaluate_color(radiance, *textures, {geometry->texture_coordinates(hit, surface), surface.position, geometry, hit});
+  return evaluate_color(radiance, *textures,
+                        {geometry->texture_coordinates(hit, surface), surface.position, geometry, hit});
 }
 
 TexturedMeshLight::TexturedMeshLight(const Glow& glow_in) : glow(glow_in) {
   const TriangleMesh& mesh = glow.geometry->mesh(glow.shape);
   const std::size_t count = mesh.triangles.size();
-  divisions = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(kMostParts) / static_cast<double>(count))), 1, kMostDivisions);
+  divisions = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(kMostParts) / static_cast<double>(count))), 1,
+                         kMostDivisions);
   const int parts = divisions * divisions;
   std::vector<double> weights;
   weights.reserve(count * parts);
@@ -126,7 +130,9 @@ float TexturedMeshLight::pdf_hit(const Point3& from, const LightHit& hit) const 
   return to_solid_angle(from, hit, probability * static_cast<float>(parts) / areas[hit.primitive]);
 }
 
-float TexturedMeshLight::power(const Bounds3&) const { return kPi * flux; }
+float TexturedMeshLight::power(const Bounds3&) const {
+  return kPi * flux;
+}
 
 namespace {
 
@@ -184,7 +190,8 @@ CurvedLight::CurvedLight(const Glow& glow_in) : glow(glow_in) {
   double sum = 0, area_sum = 0;
   for (int i = 0; i < kGrid; ++i)
     for (int j = 0; j < kGrid; ++j) {
-      const CurvedPoint p = sample_curved(glow, {(static_cast<float>(i) + 0.5f) / kGrid, (static_cast<float>(j) + 0.5f) / kGrid});
+      const CurvedPoint p =
+          sample_curved(glow, {(static_cast<float>(i) + 0.5f) / kGrid, (static_cast<float>(j) + 0.5f) / kGrid});
       area_sum += 1 / p.pdf_area;
       sum += glow.at(p.hit, p.surface).luminance() / p.pdf_area;
     }
@@ -213,11 +220,14 @@ float CurvedLight::pdf_hit(const Point3& from, const LightHit& hit) const {
       pdf_area = 1 / length(cross(p.dp_da, p.dp_db));
       break;
     }
-    default: pdf_area = sphere_uniform_pdf() / square(geometry.sphere(glow.shape).radius);
+    default:
+      pdf_area = sphere_uniform_pdf() / square(geometry.sphere(glow.shape).radius);
   }
   return to_solid_angle(from, hit, pdf_area);
 }
 
-float CurvedLight::power(const Bounds3&) const { return kPi * area * mean_luminance; }
+float CurvedLight::power(const Bounds3&) const {
+  return kPi * area * mean_luminance;
+}
 
 }  // namespace etendue

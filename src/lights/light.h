@@ -76,14 +76,15 @@ struct PointLight {
   float power(const Bounds3& scene) const;
 };
 
-/// Within the cone intensity · cos(angle to the axis)^exponent · a ramp that falls with the angle from 1 at the beam's edge to 0 at
-/// the cone's · the picture, if any, that spans the cone.
+/// Within the cone intensity · cos(angle to the axis)^exponent · a ramp that falls with the angle from 1 at the beam's
+/// edge to 0 at the cone's · the picture, if any, that spans the cone.
 struct SpotLight {
   static constexpr bool kDelta = true;
-  Transform frame;  ///< orthonormal, at the light, which shines along −z; the picture is upright with +y as seen from there
+  Transform
+      frame;  ///< orthonormal, at the light, which shines along −z; the picture is upright with +y, seen from there
   Spectrum intensity;
-  float cutoff = 0;    ///< radians, half angle
-  float beam = 0;      ///< radians, at most the cutoff
+  float cutoff = 0;  ///< radians, half angle
+  float beam = 0;    ///< radians, at most the cutoff
   float exponent = 0;
   ColorSource picture = Spectrum(1);
   const Textures* textures = nullptr;
@@ -95,7 +96,7 @@ struct SpotLight {
 /// A pinhole camera run backwards: gives a plane at distance 1, facing it, the irradiance of its picture.
 struct ProjectorLight {
   static constexpr bool kDelta = true;
-  Transform frame;  ///< as of a SpotLight
+  Transform frame;                       ///< as of a SpotLight
   float tan_half_x = 1, tan_half_y = 1;  ///< half the picture on that plane
   float scale = 1;
   ColorSource picture = Spectrum(1);
@@ -167,7 +168,8 @@ struct Glow {
   Spectrum at(const RayHit& hit, const SurfaceHit& surface) const;
 };
 
-/// A mesh with a textured radiance. Its triangles are divided into small ones, chosen by their flux; a point on them by area.
+/// A mesh with a textured radiance. Its triangles are divided into small ones, chosen by their flux; a point on them by
+/// area.
 struct TexturedMeshLight {
   static constexpr bool kDelta = false;
   Glow glow;
@@ -229,8 +231,8 @@ struct EnvironmentLight {
 };
 
 /// The one list of lights.
-using Light = std::variant<PointLight, SpotLight, ProjectorLight, DirectionalLight, RectangleLight, MeshLight, SphereLight,
-                           TexturedMeshLight, CurvedLight, UniformLight, EnvironmentLight>;
+using Light = std::variant<PointLight, SpotLight, ProjectorLight, DirectionalLight, RectangleLight, MeshLight,
+                           SphereLight, TexturedMeshLight, CurvedLight, UniformLight, EnvironmentLight>;
 
 /// A way to shine on `from`, with probability density `pdf`. Nothing if the light cannot be seen from there.
 std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u, float choice);

@@ -5,10 +5,10 @@ namespace {
 
 /// Where a lit point stands as seen from a lamp that shines along its −z.
 struct Lit {
-  Vec3 wi;         ///< from the point to the lamp
+  Vec3 wi;  ///< from the point to the lamp
   float distance;
-  float x, y;      ///< in the lamp's frame, on the plane at distance 1; only if it is before the lamp
-  float cosine;    ///< of the angle to the lamp's axis
+  float x, y;    ///< in the lamp's frame, on the plane at distance 1; only if it is before the lamp
+  float cosine;  ///< of the angle to the lamp's axis
 };
 
 std::optional<Lit> lit_point(const Transform& frame, const Point3& from) {
@@ -30,7 +30,8 @@ std::optional<LightSample> SpotLight::sample(const Point3& from, Vec2, float) co
   const std::optional<Lit> lit = lit_point(frame, from);
   if (!lit || lit->cosine < std::cos(cutoff)) return std::nullopt;
   float falloff = exponent == 0 ? 1.0f : std::pow(std::max(lit->cosine, 0.0f), exponent);
-  if (beam < cutoff) falloff *= std::clamp((cutoff - std::acos(std::min(lit->cosine, 1.0f))) / (cutoff - beam), 0.0f, 1.0f);
+  if (beam < cutoff)
+    falloff *= std::clamp((cutoff - std::acos(std::min(lit->cosine, 1.0f))) / (cutoff - beam), 0.0f, 1.0f);
   if (falloff == 0) return std::nullopt;
   const float reach = std::tan(cutoff);
   const Spectrum color = picture_at(picture, textures, {0.5f + 0.5f * lit->x / reach, 0.5f + 0.5f * lit->y / reach});
@@ -41,12 +42,14 @@ float SpotLight::power(const Bounds3&) const {
   return 2 * kPi * (1 - std::cos(0.5f * (cutoff + beam))) * intensity.luminance();
 }
 
-/// A plane at distance 1 that faces the projector gets its picture's irradiance where cosine and distance are 1: elsewhere the intensity that
-/// does so is irradiance / cos³, and E = intensity / distance² = irradiance / (depth² · cos).
+/// A plane at distance 1 that faces the projector gets its picture's irradiance where cosine and distance are 1:
+/// elsewhere the intensity that does so is irradiance / cos³, and E = intensity / distance² = irradiance / (depth² ·
+/// cos).
 std::optional<LightSample> ProjectorLight::sample(const Point3& from, Vec2, float) const {
   const std::optional<Lit> lit = lit_point(frame, from);
   if (!lit || lit->cosine <= 0 || std::abs(lit->x) > tan_half_x || std::abs(lit->y) > tan_half_y) return std::nullopt;
-  const Spectrum color = picture_at(picture, textures, {0.5f + 0.5f * lit->x / tan_half_x, 0.5f + 0.5f * lit->y / tan_half_y});
+  const Spectrum color =
+      picture_at(picture, textures, {0.5f + 0.5f * lit->x / tan_half_x, 0.5f + 0.5f * lit->y / tan_half_y});
   const float depth = lit->distance * lit->cosine;
   return LightSample{lit->wi, lit->distance, color * (scale / (square(depth) * lit->cosine)), 1, true};
 }

@@ -27,9 +27,11 @@ float fresnel_schlick(float cos_i, float eta) {
 
 namespace {
 
-/// (a − b) / (a + b), for a ≥ b ≥ 0 but for rounding. All is reflected where both vanish: straight onto an index of 0, along a boundary
-/// to an index of 1.
-float contrast(float a, float b) { return a + b > 0 ? std::max(a - b, 0.0f) / (a + b) : 1.0f; }
+/// (a − b) / (a + b), for a ≥ b ≥ 0 but for rounding. All is reflected where both vanish: straight onto an index of 0,
+/// along a boundary to an index of 1.
+float contrast(float a, float b) {
+  return a + b > 0 ? std::max(a - b, 0.0f) / (a + b) : 1.0f;
+}
 
 /// One channel, with a² + b² the modulus of √((η+ik)² − sin²θ) (Born and Wolf 1999, section 14.2).
 float conductor_channel(float cos_i, float eta, float k) {
@@ -46,7 +48,8 @@ float conductor_channel(float cos_i, float eta, float k) {
 }  // namespace
 
 Spectrum fresnel_conductor(float cos_i, const Spectrum& eta, const Spectrum& k) {
-  return {conductor_channel(cos_i, eta.r, k.r), conductor_channel(cos_i, eta.g, k.g), conductor_channel(cos_i, eta.b, k.b)};
+  return {conductor_channel(cos_i, eta.r, k.r), conductor_channel(cos_i, eta.g, k.g),
+          conductor_channel(cos_i, eta.b, k.b)};
 }
 
 }  // namespace etendue

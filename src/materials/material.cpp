@@ -63,15 +63,6 @@ Needs own_needs(const Material& material) {
   return finder.needs;
 }
 
-/// A frame around `n` whose s lies along the tangent, as far as that is perpendicular.
-Frame tangent_frame(const Vec3& n, const Vec3& tangent) {
-  const Vec3 s = tangent - n * dot(n, tangent);
-  const float l2 = length_squared(s);
-  if (!(l2 > 0)) return Frame::from_normal(n);
-  const Vec3 unit = s * (1 / std::sqrt(l2));
-  return {unit, cross(n, unit), n};
-}
-
 /// Pseudo-random number of a point, for choices that no sampler's dimension is kept for.
 float hashed_choice(const Point3& p) {
   std::uint32_t hash = 0;
@@ -117,7 +108,7 @@ class MaterialEvaluator {
     // Where the interpolated normal turns away from a viewer who sees the front, only the true one makes sense.
     const bool consistent = dot(ns, out_.wo_) * dot(ng, out_.wo_) > 0;
     const Vec3& n = consistent ? ns : ng;
-    out_.frame_ = materials_[index].needs_tangents ? shading_frame(n, point_.parametrization) : Frame::from_normal(n);
+    out_.frame_ = materials_[index].needs_tangents ? Frame::from_normal_and_tangent(n, point_.parametrization.dp_du) : Frame::from_normal(n);
     enter(index);
     out_.wo_local_ = out_.frame_.to_local(out_.wo_);
     return out_;
@@ -226,7 +217,7 @@ class MaterialEvaluator {
     out_.mapped_ = true;
     const float cos2 = square(dot(n, old));
     out_.bump_alpha2_ = cos2 > 0 ? std::min(0.125f * std::max(0.0f, 1 - cos2) / cos2, 1.0f) : 1.0f;
-    out_.frame_ = tangent_frame(n, tangent);
+    out_.frame_ = Frame::from_normal_and_tangent(n, tangent);
   }
 
   static std::optional<LeafBsdf> leaf(const Bsdf& bsdf) {
@@ -253,10 +244,11 @@ Scattering scatter(const Materials& materials, std::uint32_t index, const Textur
   return MaterialEvaluator(materials, textures, point, wo).run(index);
 }
 
-/// A direction that the shading frame takes for reflected must be so for the true surface, and for a mapped normal also for the one it tilted.
+/// A direction that the shading frame takes for reflected must be so for the true surface, and for a mapped normal also for the one it tilted:
+/// else light would leak through opaque surfaces. Transparent ones let it through anyway; there nothing is gained by losing it.
 bool Scattering::is_consistent(const Vec3& wi, const Vec3& wi_local) const {
   const bool same_side = wi_local.z * wo_local_.z > 0;
-  if ((dot(wi, geometric_normal_) * dot(wo_, geometric_normal_) > 0) != same_side) return false;
+  if (!transmits() && (dot(wi, geometric_normal_) * dot(wo_, geometric_normal_) > 0) != same_side) return false;
   return !mapped_ || dot(wi, unmapped_normal_) * wi_local.z > 0;
 }
 

@@ -47,7 +47,8 @@ struct PlasticMaterial {
 };
 struct PrincipledMaterial {
   ColorSource base_color;
-  FloatSource roughness, anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat, clearcoat_gloss;
+  FloatSource roughness, anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat,
+      clearcoat_gloss;
   PrincipledParameters fixed;  ///< what does not vary
 };
 struct PrincipledThinMaterial {
@@ -80,9 +81,9 @@ struct NormalMapMaterial {
 
 /// What a surface is made of, compiled. Those that name others (blend, mask, …) do so by index into Materials.
 struct Material {
-  std::variant<UniformMaterial, DiffuseMaterial, ConductorMaterial, SmoothConductorMaterial, ThinGlassMaterial, RoughGlassMaterial,
-               PlasticMaterial, PrincipledMaterial, PrincipledThinMaterial, NullMaterial, BlendMaterial, MaskMaterial, TwoSidedMaterial, BumpMaterial,
-               NormalMapMaterial>
+  std::variant<UniformMaterial, DiffuseMaterial, ConductorMaterial, SmoothConductorMaterial, ThinGlassMaterial,
+               RoughGlassMaterial, PlasticMaterial, PrincipledMaterial, PrincipledThinMaterial, NullMaterial,
+               BlendMaterial, MaskMaterial, TwoSidedMaterial, BumpMaterial, NormalMapMaterial>
       surface;
   ColorSource emission = Spectrum(0);  ///< radiance leaving the front
   bool one_sided = false;              ///< black from behind
@@ -107,7 +108,8 @@ class Scattering {
  public:
   Scattering() = default;
 
-  /// f(wo, wi) · |cos θi| and the density of sample(). Zero where only an interpolated or mapped normal would let light come from.
+  /// f(wo, wi) · |cos θi| and the density of sample(). Zero where only an interpolated or mapped normal would let light
+  /// come from.
   BsdfEval eval(const Vec3& wi) const;
   /// Where light may come from; Lobe::straight for light that passes as if nothing were there.
   std::optional<BsdfSample> sample(Vec2 u, float choice) const;
@@ -130,13 +132,15 @@ class Scattering {
   Vec3 geometric_normal_;
   Vec3 wo_, wo_local_;
   float opacity_ = 1;
-  // Bump and normal maps: the normal that they tilted, and α² of the bumps that cast shadows (Estevez, Lecocq and Stellios 2019).
+  // Bump and normal maps: the normal that they tilted, and α² of the bumps that cast shadows (Estevez, Lecocq and
+  // Stellios 2019).
   bool mapped_ = false;
   Vec3 unmapped_normal_;
   float bump_alpha2_ = 0;
 };
 
 /// How `materials[index]` scatters light at a point.
-Scattering scatter(const Materials& materials, std::uint32_t index, const Textures& textures, const MaterialPoint& point, const Vec3& wo);
+Scattering scatter(const Materials& materials, std::uint32_t index, const Textures& textures,
+                   const MaterialPoint& point, const Vec3& wo);
 
 }  // namespace etendue

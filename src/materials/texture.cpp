@@ -6,7 +6,8 @@ namespace {
 /// Index i brought into [0, n).
 int wrapped(int i, int n, TexelWrap wrap) {
   switch (wrap) {
-    case TexelWrap::clamp: return std::clamp(i, 0, n - 1);
+    case TexelWrap::clamp:
+      return std::clamp(i, 0, n - 1);
     case TexelWrap::repeat: {
       const int r = i % n;
       return r < 0 ? r + n : r;
@@ -20,7 +21,8 @@ int wrapped(int i, int n, TexelWrap wrap) {
   return 0;
 }
 
-/// Coordinates so large that floats hold no fraction count as their nearest: nothing finer is known, and integers do not overflow.
+/// Coordinates so large that floats hold no fraction count as their nearest: nothing finer is known, and integers do
+/// not overflow.
 float within_reach(float x) {
   constexpr float kReach = 0x1p24f;
   return std::isfinite(x) ? std::clamp(x, -kReach, kReach) : 0.0f;
@@ -36,12 +38,15 @@ Cell cell_at(const BitmapTexture& texture, Vec2 uv) {
   const int width = texture.texels.width(), height = texture.texels.height();
   // Whole repetitions are taken off first, so that far coordinates keep their precision.
   const float period = texture.wrap == TexelWrap::mirror ? 2.0f : 1.0f;
-  if (texture.wrap != TexelWrap::clamp) uv = {uv.x - period * std::floor(uv.x / period), uv.y - period * std::floor(uv.y / period)};
+  if (texture.wrap != TexelWrap::clamp)
+    uv = {uv.x - period * std::floor(uv.x / period), uv.y - period * std::floor(uv.y / period)};
   const float x = within_reach(uv.x * static_cast<float>(width) - 0.5f);
   const float y = within_reach((1 - uv.y) * static_cast<float>(height) - 0.5f);
   const float fx = std::floor(x), fy = std::floor(y);
-  const int x0 = wrapped(static_cast<int>(fx), width, texture.wrap), x1 = wrapped(static_cast<int>(fx) + 1, width, texture.wrap);
-  const int y0 = wrapped(static_cast<int>(fy), height, texture.wrap), y1 = wrapped(static_cast<int>(fy) + 1, height, texture.wrap);
+  const int x0 = wrapped(static_cast<int>(fx), width, texture.wrap),
+            x1 = wrapped(static_cast<int>(fx) + 1, width, texture.wrap);
+  const int y0 = wrapped(static_cast<int>(fy), height, texture.wrap),
+            y1 = wrapped(static_cast<int>(fy) + 1, height, texture.wrap);
   const Texels& t = texture.texels;
   return {{{t.at(x0, y0), t.at(x1, y0)}, {t.at(x0, y1), t.at(x1, y1)}}, x - fx, y - fy};
 }

@@ -15,8 +15,8 @@ namespace etendue {
 /// Where on a surface textures are looked up.
 struct TexturePoint {
   Vec2 uv;
-  Point3 position;                    ///< world
-  const Geometry* geometry = nullptr; ///< for a mesh's attributes
+  Point3 position;                     ///< world
+  const Geometry* geometry = nullptr;  ///< for a mesh's attributes
   RayHit hit;
 };
 
@@ -69,7 +69,8 @@ using Textures = std::vector<Texture>;
 
 Spectrum evaluate_texture(const Textures& textures, std::uint32_t index, const TexturePoint& point);
 
-/// ∂/∂u and ∂/∂v of the texture's luminance at a point; zero for textures without a gradient (all but bilinear bitmaps).
+/// ∂/∂u and ∂/∂v of the texture's luminance at a point; zero for textures without a gradient (all but bilinear
+/// bitmaps).
 Vec2 luminance_gradient(const Textures& textures, std::uint32_t index, const TexturePoint& point);
 
 inline Spectrum evaluate_color(const ColorSource& source, const Textures& textures, const TexturePoint& point) {

@@ -44,6 +44,8 @@ struct Spectrum {
   constexpr float luminance() const { return 0.2126f * r + 0.7152f * g + 0.0722f * b; }
 };
 
-inline bool is_finite(const Spectrum& s) { return std::isfinite(s.r) && std::isfinite(s.g) && std::isfinite(s.b); }
+inline bool is_finite(const Spectrum& s) {
+  return std::isfinite(s.r) && std::isfinite(s.g) && std::isfinite(s.b);
+}
 
 }  // namespace etendue

@@ -18,7 +18,8 @@ struct Transform {
 
   Point3 point(const Point3& p) const { return x * p.x + y * p.y + z * p.z + origin; }
   Vec3 vector(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
-  /// Image of a surface normal, by the cofactor matrix: right for any invertible map, not normalised; mirrored maps flip it.
+  /// Image of a surface normal, by the cofactor matrix: right for any invertible map, not normalised; mirrored maps
+  /// flip it.
   Vec3 normal(const Vec3& n) const { return cross(y, z) * n.x + cross(z, x) * n.y + cross(x, y) * n.z; }
   float determinant() const { return dot(x, cross(y, z)); }
   /// Not finite if the determinant is zero.

@@ -17,7 +17,8 @@ class CameraRays {
   CameraRays(const Camera& camera, const RenderSettings& settings);
 
   /// Rays of samples first, first + 1, … of pixel (x, y); the samples are cleared and given their weights.
-  void generate(const PixelSampler& sampler, int x, int y, std::uint32_t first, std::span<Ray> rays, std::span<PixelSample> samples) const;
+  void generate(const PixelSampler& sampler, int x, int y, std::uint32_t first, std::span<Ray> rays,
+                std::span<PixelSample> samples) const;
   /// What the film remembers of the first surface.
   void describe(const Ray& ray, const RayHit& hit, const SurfaceHit& surface, PixelSample& sample) const;
 

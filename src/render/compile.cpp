@@ -22,19 +22,31 @@ RenderScene compile(const scene::SceneDescription& scene, const CompileOptions& 
   compile_shapes(scene, *data, diagnostics);
   compile_lights(scene, options, *data, diagnostics);
   if (data->geometry.shape_count() == 0)
-    throw Error(Failure::input, fmt::format("{}: nothing to render: the scene has no geometry. Does it place any in the world?",
-                                            scene.file.string()));
-  data->may_pass = std::ranges::any_of(data->shapes, [&](const auto& shape) { return data->materials[shape.material].may_pass; });
+    throw Error(Failure::input,
+                fmt::format("{}: nothing to render: the scene has no geometry. Does it place any in the world?",
+                            scene.file.string()));
+  data->may_pass =
+      std::ranges::any_of(data->shapes, [&](const auto& shape) { return data->materials[shape.material].may_pass; });
   data->geometry.build();
   data->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return RenderScene(std::move(data));
 }
 
-const Bounds3& RenderScene::bounds() const { return data_->geometry.bounds(); }
-std::size_t RenderScene::triangle_count() const { return data_->geometry.triangle_count(); }
-std::size_t RenderScene::sphere_count() const { return data_->geometry.sphere_count(); }
-std::size_t RenderScene::light_count() const { return data_->lights.size(); }
-double RenderScene::build_seconds() const { return data_->build_seconds; }
+const Bounds3& RenderScene::bounds() const {
+  return data_->geometry.bounds();
+}
+std::size_t RenderScene::triangle_count() const {
+  return data_->geometry.triangle_count();
+}
+std::size_t RenderScene::sphere_count() const {
+  return data_->geometry.sphere_count();
+}
+std::size_t RenderScene::light_count() const {
+  return data_->lights.size();
+}
+double RenderScene::build_seconds() const {
+  return data_->build_seconds;
+}
 
 std::optional<float> RenderScene::depth_at(const Camera& camera, int x, int y, int width, int height) const {
   Camera pinhole = camera;

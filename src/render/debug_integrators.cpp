@@ -14,7 +14,8 @@ constexpr float kOcclusionReach = 0.25f;
 }  // namespace
 
 std::uint64_t DebugIntegrator::estimate(int x, int y, std::uint32_t first, std::span<PixelSample> samples) const {
-  const PixelSampler sampler(settings_.sampler, settings_.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+  const PixelSampler sampler(settings_.sampler, settings_.seed, static_cast<std::uint32_t>(x),
+                             static_cast<std::uint32_t>(y));
   Ray rays[Geometry::kBatch];
   RayHit hits[Geometry::kBatch];
   const auto count = samples.size();

@@ -13,8 +13,12 @@ inline constexpr std::uint64_t at(int bounce, std::uint64_t slot) {
   return static_cast<std::uint64_t>(bounce) * kBounceStride + slot;
 }
 /// Where a point on a light lies, and on which part of the light.
-inline constexpr std::uint64_t position(std::uint64_t light) { return kLights + 2 * light; }
-inline constexpr std::uint64_t part(std::uint64_t light) { return kLights + 2 * light + 1; }
+inline constexpr std::uint64_t position(std::uint64_t light) {
+  return kLights + 2 * light;
+}
+inline constexpr std::uint64_t part(std::uint64_t light) {
+  return kLights + 2 * light + 1;
+}
 static_assert(at(0, part(0xffff'fff0u)) < at(1, kDirection), "the lights of one bounce reach into the next");
 
 }  // namespace etendue::dimension

@@ -18,8 +18,8 @@ struct PixelSample {
   float weight = 1;      ///< of the radiance in the pixel's mean: below 0 in a reconstruction filter's negative lobes
 };
 
-/// Sums and counts of a pixel's samples, added in the order of the samples: averages are formed only when the picture is asked for, so
-/// that partial renders can be merged exactly.
+/// Sums and counts of a pixel's samples, added in the order of the samples: averages are formed only when the picture
+/// is asked for, so that partial renders can be merged exactly.
 struct PixelSums {
   double sum[3] = {0, 0, 0};
   double sum_of_squares[3] = {0, 0, 0};
@@ -27,9 +27,9 @@ struct PixelSums {
   double albedo[3] = {0, 0, 0};
   double normal[3] = {0, 0, 0};
   double depth = 0;
-  std::uint32_t hits = 0;      ///< samples that met a surface
-  std::uint32_t samples = 0;   ///< all samples
-  bool finished = false;       ///< gets no more
+  std::uint32_t hits = 0;     ///< samples that met a surface
+  std::uint32_t samples = 0;  ///< all samples
+  bool finished = false;      ///< gets no more
 
   void add(const PixelSample& sample);
   double mean_luminance() const;

@@ -12,8 +12,8 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
 
-  /// Fills samples[i] with sample first + i of pixel (x, y); at most Geometry::kBatch at a time. Returns the number of rays traced.
-  /// The result depends on nothing but its arguments.
+  /// Fills samples[i] with sample first + i of pixel (x, y); at most Geometry::kBatch at a time. Returns the number of
+  /// rays traced. The result depends on nothing but its arguments.
   virtual std::uint64_t estimate(int x, int y, std::uint32_t first, std::span<PixelSample> samples) const = 0;
 };
 

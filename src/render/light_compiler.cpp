@@ -16,7 +16,8 @@ namespace {
 
 class LightCompiler {
  public:
-  LightCompiler(const scene::SceneDescription& description, const CompileOptions& options, RenderScene::Data& data, Diagnostics& diagnostics)
+  LightCompiler(const scene::SceneDescription& description, const CompileOptions& options, RenderScene::Data& data,
+                Diagnostics& diagnostics)
       : scene_(description), options_(options), data_(data), diagnostics_(diagnostics) {}
 
   void run() {
@@ -153,7 +154,8 @@ std::optional<Light> LightCompiler::without_surface(const scene::Light& light) {
     }
     std::optional<Light> operator()(const scene::ProjectorLight& l) const {
       const float half = std::tan(radians(0.5f * l.xfov_deg));
-      return ProjectorLight{frame(), half, half / l.aspect, l.scale, compile_input(l.irradiance), &compiler.data_.textures};
+      return ProjectorLight{
+          frame(), half, half / l.aspect, l.scale, compile_input(l.irradiance), &compiler.data_.textures};
     }
     std::optional<Light> operator()(const scene::DirectionalLight& l) const {
       return DirectionalLight{-direction(), l.irradiance};
@@ -198,7 +200,8 @@ void LightCompiler::choose_by_power() {
 
 }  // namespace
 
-void compile_lights(const scene::SceneDescription& scene, const CompileOptions& options, RenderScene::Data& data, Diagnostics& diagnostics) {
+void compile_lights(const scene::SceneDescription& scene, const CompileOptions& options, RenderScene::Data& data,
+                    Diagnostics& diagnostics) {
   LightCompiler(scene, options, data, diagnostics).run();
 }
 

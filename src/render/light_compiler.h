@@ -5,8 +5,9 @@
 
 namespace etendue {
 
-/// Makes lights of the shapes that shine and of the description's own, and the probabilities of choosing among them. Rectangle lights add
-/// shapes; everything else of `data` is there already, the geometry not yet built.
-void compile_lights(const scene::SceneDescription& scene, const CompileOptions& options, RenderScene::Data& data, Diagnostics& diagnostics);
+/// Makes lights of the shapes that shine and of the description's own, and the probabilities of choosing among them.
+/// Rectangle lights add shapes; everything else of `data` is there already, the geometry not yet built.
+void compile_lights(const scene::SceneDescription& scene, const CompileOptions& options, RenderScene::Data& data,
+                    Diagnostics& diagnostics);
 
 }  // namespace etendue

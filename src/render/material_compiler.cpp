@@ -19,9 +19,12 @@ UvMap compile_uv(const scene::UvTransform& t) {
 
 TexelWrap compile_wrap(scene::TextureWrap wrap) {
   switch (wrap) {
-    case scene::TextureWrap::repeat: return TexelWrap::repeat;
-    case scene::TextureWrap::mirror: return TexelWrap::mirror;
-    case scene::TextureWrap::clamp: return TexelWrap::clamp;
+    case scene::TextureWrap::repeat:
+      return TexelWrap::repeat;
+    case scene::TextureWrap::mirror:
+      return TexelWrap::mirror;
+    case scene::TextureWrap::clamp:
+      return TexelWrap::clamp;
   }
   return TexelWrap::repeat;
 }
@@ -39,8 +42,10 @@ std::vector<bool> shining_textures(const scene::SceneDescription& scene) {
   };
   for (const scene::Material& material : scene.materials) note(texture_of(material.emission));
   for (const scene::Light& light : scene.lights) {
-    if (const auto* projector = std::get_if<scene::ProjectorLight>(&light.source)) note(texture_of(projector->irradiance));
-    if (const auto* spot = std::get_if<scene::SpotLight>(&light.source); spot && spot->texture) note(&spot->texture->index);
+    if (const auto* projector = std::get_if<scene::ProjectorLight>(&light.source))
+      note(texture_of(projector->irradiance));
+    if (const auto* spot = std::get_if<scene::SpotLight>(&light.source); spot && spot->texture)
+      note(&spot->texture->index);
   }
   return shines;
 }
@@ -54,7 +59,8 @@ class TextureCompiler {
     Textures textures;
     for (const scene::Texture& texture : scene_.textures) {
       try {
-        textures.push_back(std::visit([&](const auto& source) { return compile(source, texture, shines_[textures.size()]); }, texture.source));
+        textures.push_back(std::visit(
+            [&](const auto& source) { return compile(source, texture, shines_[textures.size()]); }, texture.source));
       } catch (const Error& error) {
         diagnostics_.warning(fmt::format("{}; the texture is replaced by grey", error.what()), texture.where);
         textures.push_back(CheckerboardTexture{Spectrum(0.5f), Spectrum(0.5f), {}});
@@ -92,7 +98,8 @@ class TextureCompiler {
 
 class MaterialCompiler {
  public:
-  MaterialCompiler(const scene::SceneDescription& scene, const CompileOptions& options) : scene_(scene), options_(options) {}
+  MaterialCompiler(const scene::SceneDescription& scene, const CompileOptions& options)
+      : scene_(scene), options_(options) {}
 
   Material compile(const scene::Material& material) const {
     Material out = std::visit([&](const auto& surface) { return compile(surface); }, material.surface);
@@ -110,7 +117,8 @@ class MaterialCompiler {
   Material compile(const scene::MirrorMaterial& m) const { return {UniformMaterial{MirrorBsdf{m.reflectance}}}; }
   Material compile(const scene::GlassMaterial& m) const {
     const bool schlick = options_.fresnel.value_or(m.fresnel) == scene::Fresnel::schlick;
-    return {UniformMaterial{DielectricBsdf{m.reflectance, m.transmittance, m.ior, schlick ? Boundary::schlick : Boundary::fresnel}}};
+    return {UniformMaterial{
+        DielectricBsdf{m.reflectance, m.transmittance, m.ior, schlick ? Boundary::schlick : Boundary::fresnel}}};
   }
   Material compile(const scene::ThinGlassMaterial& m) const {
     return {ThinGlassMaterial{compile_input(m.reflectance), compile_input(m.transmittance), m.ior}};
@@ -119,25 +127,27 @@ class MaterialCompiler {
     return {UniformMaterial{DielectricBsdf{Spectrum(0), m.transmittance, m.ior, Boundary::transmit_only}}};
   }
   Material compile(const scene::RoughGlassMaterial& m) const {
-    return {RoughGlassMaterial{compile_input(m.reflectance), compile_input(m.transmittance), m.ior, kind_of(m.distribution),
-                               compile_input(m.alpha_u), compile_input(m.alpha_v)}};
+    return {RoughGlassMaterial{compile_input(m.reflectance), compile_input(m.transmittance), m.ior,
+                               kind_of(m.distribution), compile_input(m.alpha_u), compile_input(m.alpha_v)}};
   }
   Material compile(const scene::ConductorMaterial& m) const {
     const auto reflectance = compile_input(m.reflectance);
-    const auto *constant = std::get_if<Spectrum>(&m.reflectance);
+    const auto* constant = std::get_if<Spectrum>(&m.reflectance);
     const float *u = std::get_if<float>(&m.alpha_u), *v = std::get_if<float>(&m.alpha_v);
     if (u && v && *u == 0 && *v == 0) {
       if (constant) return {UniformMaterial{MirrorBsdf{*constant, m.eta, m.k}}};
       return {SmoothConductorMaterial{m.eta, m.k, reflectance}};
     }
     if (u && v && constant && *u == *v)
-      return {UniformMaterial{ConductorBsdf{m.eta, m.k, *constant, MicrofacetDistribution(kind_of(m.distribution), *u)}}};
-    return {ConductorMaterial{m.eta, m.k, reflectance, kind_of(m.distribution), compile_input(m.alpha_u), compile_input(m.alpha_v)}};
+      return {
+          UniformMaterial{ConductorBsdf{m.eta, m.k, *constant, MicrofacetDistribution(kind_of(m.distribution), *u)}}};
+    return {ConductorMaterial{m.eta, m.k, reflectance, kind_of(m.distribution), compile_input(m.alpha_u),
+                              compile_input(m.alpha_v)}};
   }
   Material compile(const scene::PlasticMaterial& m) const {
-    const auto boundary = m.alpha > 0
-                              ? std::make_shared<const PlasticBoundary>(m.ior, MicrofacetDistribution(kind_of(m.distribution), m.alpha))
-                              : std::make_shared<const PlasticBoundary>(m.ior);
+    const auto boundary = m.alpha > 0 ? std::make_shared<const PlasticBoundary>(
+                                            m.ior, MicrofacetDistribution(kind_of(m.distribution), m.alpha))
+                                      : std::make_shared<const PlasticBoundary>(m.ior);
     return {PlasticMaterial{compile_input(m.diffuse), compile_input(m.specular), boundary, m.nonlinear}};
   }
   Material compile(const scene::PrincipledMaterial& m) const {
@@ -147,9 +157,9 @@ class MaterialCompiler {
     fixed.clearcoat_rate = m.clearcoat_rate;
     fixed.diffuse_rate = m.diffuse_rate;
     return {PrincipledMaterial{compile_input(m.base_color), compile_input(m.roughness), compile_input(m.anisotropic),
-                               compile_input(m.metallic), compile_input(m.spec_trans), compile_input(m.spec_tint), compile_input(m.sheen),
-                               compile_input(m.sheen_tint), compile_input(m.flatness), compile_input(m.clearcoat),
-                               compile_input(m.clearcoat_gloss), fixed}};
+                               compile_input(m.metallic), compile_input(m.spec_trans), compile_input(m.spec_tint),
+                               compile_input(m.sheen), compile_input(m.sheen_tint), compile_input(m.flatness),
+                               compile_input(m.clearcoat), compile_input(m.clearcoat_gloss), fixed}};
   }
   Material compile(const scene::PrincipledThinMaterial& m) const {
     PrincipledThinParameters fixed;
@@ -157,17 +167,26 @@ class MaterialCompiler {
     fixed.specular_transmission_rate = m.specular_transmission_rate;
     fixed.diffuse_rate = m.diffuse_rate;
     fixed.diffuse_transmission_rate = m.diffuse_transmission_rate;
-    return {PrincipledThinMaterial{compile_input(m.base_color), compile_input(m.roughness), compile_input(m.anisotropic),
-                                   compile_input(m.spec_trans), compile_input(m.eta), compile_input(m.spec_tint), compile_input(m.sheen),
-                                   compile_input(m.sheen_tint), compile_input(m.flatness), compile_input(m.diff_trans), fixed}};
+    return {PrincipledThinMaterial{compile_input(m.base_color), compile_input(m.roughness),
+                                   compile_input(m.anisotropic), compile_input(m.spec_trans), compile_input(m.eta),
+                                   compile_input(m.spec_tint), compile_input(m.sheen), compile_input(m.sheen_tint),
+                                   compile_input(m.flatness), compile_input(m.diff_trans), fixed}};
   }
   Material compile(const scene::NullMaterial&) const { return {NullMaterial{}}; }
   Material compile(const scene::NoReflection&) const { return {UniformMaterial{BlackBsdf{}}}; }
-  Material compile(const scene::BlendMaterial& m) const { return {BlendMaterial{m.first.index, m.second.index, compile_input(m.weight)}}; }
-  Material compile(const scene::MaskMaterial& m) const { return {MaskMaterial{m.inner.index, compile_input(m.opacity)}}; }
+  Material compile(const scene::BlendMaterial& m) const {
+    return {BlendMaterial{m.first.index, m.second.index, compile_input(m.weight)}};
+  }
+  Material compile(const scene::MaskMaterial& m) const {
+    return {MaskMaterial{m.inner.index, compile_input(m.opacity)}};
+  }
   Material compile(const scene::TwoSidedMaterial& m) const { return {TwoSidedMaterial{m.front.index, m.back.index}}; }
-  Material compile(const scene::BumpMaterial& m) const { return {BumpMaterial{m.inner.index, m.height.index, m.scale}}; }
-  Material compile(const scene::NormalMapMaterial& m) const { return {NormalMapMaterial{m.inner.index, m.normals.index}}; }
+  Material compile(const scene::BumpMaterial& m) const {
+    return {BumpMaterial{m.inner.index, m.height.index, m.scale}};
+  }
+  Material compile(const scene::NormalMapMaterial& m) const {
+    return {NormalMapMaterial{m.inner.index, m.normals.index}};
+  }
 
   const scene::SceneDescription& scene_;
   const CompileOptions& options_;
@@ -177,13 +196,17 @@ class MaterialCompiler {
 struct InnerMaterials {
   std::vector<std::uint32_t> operator()(const scene::BlendMaterial& m) const { return {m.first.index, m.second.index}; }
   std::vector<std::uint32_t> operator()(const scene::MaskMaterial& m) const { return {m.inner.index}; }
-  std::vector<std::uint32_t> operator()(const scene::TwoSidedMaterial& m) const { return {m.front.index, m.back.index}; }
+  std::vector<std::uint32_t> operator()(const scene::TwoSidedMaterial& m) const {
+    return {m.front.index, m.back.index};
+  }
   std::vector<std::uint32_t> operator()(const scene::BumpMaterial& m) const { return {m.inner.index}; }
   std::vector<std::uint32_t> operator()(const scene::NormalMapMaterial& m) const { return {m.inner.index}; }
   std::vector<std::uint32_t> operator()(const auto&) const { return {}; }
 };
 
-std::vector<std::uint32_t> inner_materials(const scene::Material& material) { return std::visit(InnerMaterials{}, material.surface); }
+std::vector<std::uint32_t> inner_materials(const scene::Material& material) {
+  return std::visit(InnerMaterials{}, material.surface);
+}
 
 /// Whether following inner materials from `start` comes back to it.
 bool contains_itself(const scene::SceneDescription& scene, std::uint32_t start) {
@@ -216,13 +239,15 @@ Textures compile_textures(const scene::SceneDescription& scene, Geometry& geomet
   return TextureCompiler(scene, geometry, diagnostics).run();
 }
 
-Materials compile_materials(const scene::SceneDescription& scene, const CompileOptions& options, Diagnostics& diagnostics) {
+Materials compile_materials(const scene::SceneDescription& scene, const CompileOptions& options,
+                            Diagnostics& diagnostics) {
   const MaterialCompiler compiler(scene, options);
   Materials materials;
   for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
     const scene::Material& material = scene.materials[i];
     if (contains_itself(scene, i)) {
-      diagnostics.warning(fmt::format("the material \"{}\" contains itself; it is replaced by grey", material.name), material.where);
+      diagnostics.warning(fmt::format("the material \"{}\" contains itself; it is replaced by grey", material.name),
+                          material.where);
       materials.push_back({UniformMaterial{DiffuseBsdf{Spectrum(0.5f)}}});
       continue;
     }

@@ -17,19 +17,20 @@ struct RenderScene::Data {
   /// What belongs to a shape of the geometry.
   struct ShapeInfo {
     std::uint32_t material = 0;
-    std::uint32_t light = kNone;     ///< index of the light that this surface is
+    std::uint32_t light = kNone;  ///< index of the light that this surface is
     bool in_group = false;
-    bool separates_media = false;    ///< behind it lies `interior`, before it `exterior`
+    bool separates_media = false;                      ///< behind it lies `interior`, before it `exterior`
     std::uint32_t interior = kNone, exterior = kNone;  ///< indices of media; kNone: vacuum
   };
 
   Geometry geometry;
   std::vector<ShapeInfo> shapes;
-  std::vector<std::uint32_t> first_shape_of_instance;  ///< of each of the description's instances; kNone: it was left out, or is a group
+  /// Of each of the description's instances; kNone: it was left out, or is a group.
+  std::vector<std::uint32_t> first_shape_of_instance;
   Materials materials;
   Textures textures;
   std::vector<Medium> media;
-  std::uint32_t camera_medium = kNone;         ///< in which the description's camera stands
+  std::uint32_t camera_medium = kNone;  ///< in which the description's camera stands
   std::vector<Light> lights;
   std::vector<std::uint32_t> infinite_lights;  ///< indices of the lights that rays into the void see
   bool may_pass = false;                       ///< some surface lets light through as if it were not there

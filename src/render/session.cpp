@@ -23,9 +23,9 @@ constexpr double kPassSeconds = 0.5;
 /// In metres; as far as geometry may reach.
 constexpr float kFarthestCamera = 1e12f;
 
-/// `samples` rounded up to where a batch ends: after 1, 4 and 16 samples, then after every 16. Batches lie between these counts whatever
-/// the passes, so that which samples travel together does not depend on how a render is split; the first are small, so that even a render
-/// that is soon stopped has seen every pixel.
+/// `samples` rounded up to where a batch ends: after 1, 4 and 16 samples, then after every 16. Batches lie between
+/// these counts whatever the passes, so that which samples travel together does not depend on how a render is split;
+/// the first are small, so that even a render that is soon stopped has seen every pixel.
 std::uint32_t whole_batches(std::uint32_t samples) {
   constexpr std::uint32_t kBatch = Geometry::kBatch;
   if (samples <= 1) return samples;
@@ -92,7 +92,8 @@ void RenderSession::Impl::note_invalid(int x, int y, std::uint32_t sample) {
 void RenderSession::Impl::render_pixel(int x, int y, std::uint32_t samples, TileCounts& counts) {
   PixelSums& pixel = film.at(x, y);
   const std::uint32_t before = pixel.samples;
-  const std::uint32_t target = std::min(whole_batches(before + samples), static_cast<std::uint32_t>(settings.samples_per_pixel));
+  const std::uint32_t target =
+      std::min(whole_batches(before + samples), static_cast<std::uint32_t>(settings.samples_per_pixel));
   PixelSample batch[Geometry::kBatch];
   while (pixel.samples < target && !pixel.finished) {
     const std::uint32_t check = next_check(pixel.samples, settings);
@@ -137,8 +138,10 @@ RenderSession::RenderSession(RenderScene scene, const Camera& camera, const Rend
   if (settings.width < 1 || settings.height < 1 || settings.samples_per_pixel < 1 || settings.tile_size < 1)
     throw Error(Failure::usage, "width, height, samples per pixel and tile size must be at least 1");
   if (!(max_abs_component(camera.to_world.origin) <= kFarthestCamera))
-    throw Error(Failure::input, "the camera stands farther than 1e12 m from the origin, or nowhere; check its position");
-  if (settings.adaptive && settings.adaptive->batch < 1) throw Error(Failure::usage, "an adaptive batch needs at least 1 sample");
+    throw Error(Failure::input,
+                "the camera stands farther than 1e12 m from the origin, or nowhere; check its position");
+  if (settings.adaptive && settings.adaptive->batch < 1)
+    throw Error(Failure::usage, "an adaptive batch needs at least 1 sample");
   if (crop.x < 0 || crop.y < 0 || crop.width < 1 || crop.height < 1 || crop.x > settings.width - crop.width ||
       crop.y > settings.height - crop.height)
     throw Error(Failure::usage, fmt::format("the crop window {}×{} at ({}, {}) does not lie within the {}×{} picture",
@@ -169,14 +172,15 @@ void RenderSession::render_pass(std::stop_token stop, int samples) {
   if (samples == 0 && took < kPassSeconds) s.pass_samples = std::min(s.pass_samples * 2, 1 << 12);
 }
 
-bool RenderSession::finished() const { return impl_->finished_pixels == impl_->film.pixels().size(); }
+bool RenderSession::finished() const {
+  return impl_->finished_pixels == impl_->film.pixels().size();
+}
 
 RenderProgress RenderSession::progress() const {
   const Impl& s = *impl_;
   RenderProgress p;
   p.samples_done = s.samples_done;
-  p.samples_total =
-      static_cast<std::uint64_t>(s.settings.samples_per_pixel) * s.film.pixels().size() - s.samples_saved;
+  p.samples_total = static_cast<std::uint64_t>(s.settings.samples_per_pixel) * s.film.pixels().size() - s.samples_saved;
   p.rays = s.rays;
   p.invalid_samples = s.invalid_samples;
   p.render_seconds = s.seconds;
@@ -189,8 +193,12 @@ RenderProgress RenderSession::progress() const {
   return p;
 }
 
-Picture RenderSession::snapshot() const { return impl_->film.picture(); }
-Image RenderSession::beauty() const { return impl_->film.beauty(); }
+Picture RenderSession::snapshot() const {
+  return impl_->film.picture();
+}
+Image RenderSession::beauty() const {
+  return impl_->film.beauty();
+}
 
 Image RenderSession::sample_rate_picture() const {
   const Film& film = impl_->film;

@@ -18,14 +18,14 @@ struct RenderProgress {
   std::uint64_t samples_total = 0;    ///< of a render that runs to its end; pixels that stop early count as finished
   std::uint64_t rays = 0;             ///< all rays traced: camera, bounce and shadow
   std::uint64_t invalid_samples = 0;  ///< samples that were NaN, infinite or negative and count as black
-  std::size_t unsampled_pixels = 0;   ///< as of the last pass: black, because it was stopped before they had their first sample
+  std::size_t unsampled_pixels = 0;   ///< as of the last pass: black, because it was stopped before their first sample
   std::string first_invalid;          ///< where the first of them fell: pixel, sample
   double render_seconds = 0;          ///< wall time inside finished passes
-  double noise = 0;                   ///< relative standard error as of the last pass: mean over pixels of σ/√n / (mean + 0.01)
+  double noise = 0;  ///< relative standard error as of the last pass: mean over pixels of σ/√n / (mean + 0.01)
 };
 
-/// One picture in the making: what the command line, a viewer or a script drives. Passes are cheap to start; the picture is the same to
-/// the bit for any number of threads, any tile size and any split into passes.
+/// One picture in the making: what the command line, a viewer or a script drives. Passes are cheap to start; the
+/// picture is the same to the bit for any number of threads, any tile size and any split into passes.
 class RenderSession {
  public:
   RenderSession(RenderScene scene, const Camera& camera, const RenderSettings& settings);
@@ -33,12 +33,13 @@ class RenderSession {
   RenderSession(RenderSession&&) noexcept;
   RenderSession& operator=(RenderSession&&) noexcept;
 
-  /// Adds `samples` samples, rounded up to whole batches, to every unfinished pixel (0: a number that keeps passes near half a second). Returns early, with
-  /// every pixel in a valid state, when a stop is asked for.
+  /// Adds `samples` samples, rounded up to whole batches, to every unfinished pixel (0: a number that keeps passes near
+  /// half a second). Returns early, with every pixel in a valid state, when a stop is asked for.
   void render_pass(std::stop_token stop, int samples = 0);
 
-  bool finished() const;              ///< every pixel has all samples it is to get
-  RenderProgress progress() const;    ///< may be called from another thread while a pass runs (then rays and samples are approximate)
+  bool finished() const;  ///< every pixel has all samples it is to get
+  /// May be called from another thread while a pass runs (then rays and samples are approximate).
+  RenderProgress progress() const;
 
   /// The picture so far with the channels albedo.{R,G,B}, normal.{X,Y,Z}, depth.Z, samples.N and variance.{R,G,B}
   /// (variance of one sample; divided by samples.N it is that of the mean). Not while a pass runs.

@@ -12,7 +12,7 @@ namespace etendue {
 enum class IntegratorKind {
   path,        ///< all light, to max_depth bounces
   direct,      ///< emitted light and light that bounced once, by sampling the lights
-  hemisphere,  ///< all light, but direct light found by uniform directions of the hemisphere: point-like lights are not seen
+  hemisphere,  ///< all light, but direct light by uniform directions of the hemisphere: point-like lights are not seen
   normals,     ///< shading normals, (n + 1) / 2
   albedo,      ///< reflectance of what is seen
   ao,          ///< ambient occlusion: share of the cosine-weighted hemisphere open to a quarter of the scene's diagonal
@@ -33,19 +33,19 @@ inline constexpr int kUnlimitedDepth = std::numeric_limits<int>::max();
 
 /// What picture to make of a scene and how well.
 struct RenderSettings {
-  int width = 800, height = 600;         ///< of the whole picture, in pixels
-  std::optional<CropWindow> crop;        ///< render only this part; the result has its size
-  int samples_per_pixel = 64;            ///< the most a pixel gets
-  int light_samples = 0;                 ///< per light and vertex (point-like lights: 1); 0: one sample of one chosen light
-  int max_depth = kUnlimitedDepth;       ///< bounces: 0 emitted light only, 1 direct light, …
-  bool null_counts_as_bounce = false;    ///< whether light that passes a mask or null boundary has bounced
-  bool hide_emitters = false;            ///< camera rays do not see lights
+  int width = 800, height = 600;    ///< of the whole picture, in pixels
+  std::optional<CropWindow> crop;   ///< render only this part; the result has its size
+  int samples_per_pixel = 64;       ///< the most a pixel gets
+  int light_samples = 0;            ///< per light and vertex (point-like lights: 1); 0: one sample of one chosen light
+  int max_depth = kUnlimitedDepth;  ///< bounces: 0 emitted light only, 1 direct light, …
+  bool null_counts_as_bounce = false;  ///< whether light that passes a mask or null boundary has bounced
+  bool hide_emitters = false;          ///< camera rays do not see lights
   IntegratorKind integrator = IntegratorKind::path;
   SamplerKind sampler = SamplerKind::sobol;
-  scene::ReconstructionFilter filter;    ///< how samples near a pixel count towards it
+  scene::ReconstructionFilter filter;  ///< how samples near a pixel count towards it
   std::uint64_t seed = 0;
   std::optional<AdaptiveSampling> adaptive;
-  int tile_size = 16;                    ///< pixels along the side of a unit of work; changes no pixel
+  int tile_size = 16;  ///< pixels along the side of a unit of work; changes no pixel
 };
 
 }  // namespace etendue

@@ -30,8 +30,9 @@ MeshAttribute compile_attribute(const scene::MeshAttribute& a, const std::vector
   return out;
 }
 
-/// The mesh in world space. Its winding is made to agree with its normals, so that the front is on their side; normals that say no more
-/// than the triangles themselves are left out. Triangles without area or out of reach are dropped and counted, tiny ones counted.
+/// The mesh in world space. Its winding is made to agree with its normals, so that the front is on their side; normals
+/// that say no more than the triangles themselves are left out. Triangles without area or out of reach are dropped and
+/// counted, tiny ones counted.
 TriangleMesh to_world(const scene::Mesh& mesh, const Transform& m, TriangleRepairs& repairs) {
   TriangleMesh out;
   out.positions.reserve(mesh.positions.size() + 2);
@@ -64,7 +65,8 @@ TriangleMesh to_world(const scene::Mesh& mesh, const Transform& m, TriangleRepai
     if (!mesh.attributes.empty()) kept.push_back(index);
   }
   if (!smooth) out.normals = {};
-  for (const scene::MeshAttribute& attribute : mesh.attributes) out.attributes.push_back(compile_attribute(attribute, kept));
+  for (const scene::MeshAttribute& attribute : mesh.attributes)
+    out.attributes.push_back(compile_attribute(attribute, kept));
   return out;
 }
 
@@ -82,7 +84,8 @@ class ShapeCompiler {
       if (data_.geometry.shape_count() > first) data_.first_shape_of_instance[i] = first;
     }
     diagnostics_.repaired("triangle without area or beyond 1e12 m left out", {}, repairs_.dropped);
-    diagnostics_.repaired("triangle below 1e-18 m² rendered with few exact digits: a larger <unit> helps", {}, repairs_.tiny);
+    diagnostics_.repaired("triangle below 1e-18 m² rendered with few exact digits: a larger <unit> helps", {},
+                          repairs_.tiny);
     diagnostics_.repaired("light on a shape of a group left out: only shapes in no group can shine", {}, dark_lamps_);
   }
 
@@ -112,7 +115,9 @@ class ShapeCompiler {
     std::visit([&](const auto& id) { place_shape(instance, id); }, instance.shape);
   }
 
-  void place_shape(const scene::Instance& instance, scene::Id<scene::Group> id) { place_group(instance, id.index, instance.to_world, 0); }
+  void place_shape(const scene::Instance& instance, scene::Id<scene::Group> id) {
+    place_group(instance, id.index, instance.to_world, 0);
+  }
 
   /// Groups in groups become instances of their own.
   void place_group(const scene::Instance& instance, std::uint32_t index, const Transform& to_world, std::size_t depth) {
@@ -148,8 +153,6 @@ class ShapeCompiler {
   void place_shape(const scene::Instance& instance, scene::Id<scene::Mesh> id) {
     TriangleMesh mesh = to_world(scene_.meshes[id.index], instance.to_world, repairs_);
     if (mesh.triangles.empty()) return;
-    if (data_.materials[instance.material.index].needs_tangents && !mesh.normals.empty() && !mesh.uvs.empty())
-      mesh.tangents = vertex_tangents(mesh);
     add(instance, std::move(mesh));
   }
   void place_shape(const scene::Instance& instance, scene::Id<scene::Disk>) {

@@ -3,14 +3,16 @@
 namespace etendue {
 namespace {
 
-MaterialPoint material_point(const RenderScene::Data& scene, const Material& material, const Ray& ray, const RayHit& hit) {
+MaterialPoint material_point(const RenderScene::Data& scene, const Material& material, const Ray& ray,
+                             const RayHit& hit) {
   MaterialPoint point;
   point.surface = scene.geometry.surface(ray, hit);
   if (material.needs_tangents) {
     point.parametrization = scene.geometry.parametrization(hit, point.surface);
     point.texture = {point.parametrization.uv, point.surface.position, &scene.geometry, hit};
   } else if (material.needs_texture_point) {
-    point.texture = {scene.geometry.texture_coordinates(hit, point.surface), point.surface.position, &scene.geometry, hit};
+    point.texture = {scene.geometry.texture_coordinates(hit, point.surface), point.surface.position, &scene.geometry,
+                     hit};
   }
   return point;
 }

@@ -34,14 +34,16 @@ std::vector<double> SphereGrid::integrals(const Density& density, double toleran
     const double jacobian = 2 * sine / (1 + t2) * focus_ / ((1 - x) * (1 - x)) * 2 * std::numbers::pi;
     return density(frame_.to_world(local)) * jacobian;
   };
+  constexpr int kPieces = 3;  // along each side of a cell: a jump between the first points is not overlooked
+  const int rows = rings_ * kPieces, columns = sectors_ * kPieces;
   std::vector<double> out(size());
-  for (int ring = 0; ring < rings_; ++ring)
-    for (int sector = 0; sector < sectors_; ++sector)
-      out[static_cast<std::size_t>(ring) * sectors_ + sector] =
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column)
+      out[static_cast<std::size_t>(row / kPieces) * sectors_ + column / kPieces] +=
           integrate(integrand,
-                    Box2{static_cast<double>(ring) / rings_, static_cast<double>(ring + 1) / rings_,
-                         static_cast<double>(sector) / sectors_, static_cast<double>(sector + 1) / sectors_},
-                    tolerance);
+                    Box2{static_cast<double>(row) / rows, static_cast<double>(row + 1) / rows,
+                         static_cast<double>(column) / columns, static_cast<double>(column + 1) / columns},
+                    tolerance / (kPieces * kPieces));
   return out;
 }
 

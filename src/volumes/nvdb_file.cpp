@@ -4,8 +4,8 @@
 #include <zlib.h>
 
 #include <fstream>
+#include <optional>
 
-#define NANOVDB_USE_ZIP  // only to say what the library may
 #include <nanovdb/util/IO.h>
 
 #include "base/error.h"
@@ -15,13 +15,15 @@ namespace {
 
 namespace io = nanovdb::io;
 
+constexpr std::uint64_t kOpenVdb = 0x56444220;  // the first eight bytes of a .vdb file
 constexpr std::uint32_t kLongestName = 4096;
 /// The smallest grid there is, and how much zlib shrinks a file at the most.
 constexpr std::uint64_t kSmallestGrid = sizeof(nanovdb::GridData), kMostPacked = 1032;
 
 class NvdbFile {
  public:
-  NvdbFile(const std::filesystem::path& path, const std::string& wanted) : path_(path), wanted_(wanted), in_(path, std::ios::binary) {
+  NvdbFile(const std::filesystem::path& path, const std::string& wanted)
+      : path_(path), wanted_(wanted), in_(path, std::ios::binary) {
     if (!in_) throw Error(Failure::input, fmt::format("{}: the file cannot be opened.", path.string()));
     left_ = std::filesystem::file_size(path);
   }
@@ -34,10 +36,13 @@ class NvdbFile {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const { throw Error(Failure::input, fmt::format("{}: the file {}.", path_.string(), what)); }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(Failure::input, fmt::format("{}: the file {}.", path_.string(), what));
+  }
 
   void take(void* to, std::uint64_t size) {
-    if (size > left_ || !in_.read(static_cast<char*>(to), static_cast<std::streamsize>(size))) fail("ends in the middle of a grid");
+    if (size > left_ || !in_.read(static_cast<char*>(to), static_cast<std::streamsize>(size)))
+      fail("ends in the middle of a grid");
     left_ -= size;
   }
   void skip(std::uint64_t size) {
@@ -55,9 +60,12 @@ class NvdbFile {
   /// Goes to the wanted grid if the next segment has it, else behind the segment.
   std::optional<io::MetaData> find_in_segment() {
     const auto header = take<io::Header>();
+    if (header.magic == kOpenVdb)
+      fail("is an OpenVDB file, and only NanoVDB's are read: nanovdb_convert makes one of it");
     if (header.magic != NANOVDB_MAGIC_NUMBER) fail("is no NanoVDB file");
     if (header.version.getMajor() != NANOVDB_MAJOR_VERSION_NUMBER)
-      fail(fmt::format("is of NanoVDB's version {}, and only {} is read", header.version.getMajor(), NANOVDB_MAJOR_VERSION_NUMBER));
+      fail(fmt::format("is of NanoVDB's version {}, and only {} is read", header.version.getMajor(),
+                       NANOVDB_MAJOR_VERSION_NUMBER));
     std::optional<io::MetaData> found;
     std::uint64_t before = 0, all = 0;
     for (int i = 0; i < header.gridCount; ++i) {
@@ -84,9 +92,11 @@ class NvdbFile {
 
   NvdbBytes unpack(const io::MetaData& meta) {
     const bool zip = meta.codec == io::Codec::ZIP;
-    if (!zip && meta.codec != io::Codec::NONE) fail("is packed by Blosc, which is not read; write it without compression or with ZIP");
+    if (!zip && meta.codec != io::Codec::NONE)
+      fail("is packed by Blosc, which is not read; write it without compression or with ZIP");
     const std::uint64_t packed = zip ? take<std::uint64_t>() : meta.gridSize;
-    if (packed > left_ || meta.gridSize < kSmallestGrid || meta.gridSize / kMostPacked > packed) fail("ends in the middle of a grid");
+    if (packed > left_ || meta.gridSize < kSmallestGrid || meta.gridSize / kMostPacked > packed)
+      fail("ends in the middle of a grid");
     NvdbBytes grid(meta.gridSize);
     if (!zip) {
       take(grid.bytes().data(), packed);
@@ -95,7 +105,8 @@ class NvdbFile {
     std::vector<Bytef> bytes(packed);
     take(bytes.data(), packed);
     uLongf size = meta.gridSize;
-    if (uncompress(reinterpret_cast<Bytef*>(grid.bytes().data()), &size, bytes.data(), packed) != Z_OK || size != meta.gridSize)
+    if (uncompress(reinterpret_cast<Bytef*>(grid.bytes().data()), &size, bytes.data(), packed) != Z_OK ||
+        size != meta.gridSize)
       fail("is damaged: a grid cannot be unpacked");
     return grid;
   }
@@ -109,6 +120,8 @@ class NvdbFile {
 
 }  // namespace
 
-NvdbBytes read_nvdb_file(const std::filesystem::path& file, const std::string& grid) { return NvdbFile(file, grid).read(); }
+NvdbBytes read_nvdb_file(const std::filesystem::path& file, const std::string& grid) {
+  return NvdbFile(file, grid).read();
+}
 
 }  // namespace etendue

@@ -23,7 +23,8 @@ class NvdbBytes {
   std::size_t size_;
 };
 
-/// The grid of that name (empty: the first) as it stands in a .nvdb file, unpacked but not looked at. Throws Error(Failure::input).
+/// The grid of that name (empty: the first) as it stands in a .nvdb file, unpacked but not looked at. Throws
+/// Error(Failure::input).
 NvdbBytes read_nvdb_file(const std::filesystem::path& file, const std::string& grid);
 
 }  // namespace etendue

@@ -17,8 +17,12 @@ using Coord = nanovdb::Coord;
 /// Ranges of more blocks of 8 × 8 × 8 voxels than this are those of the whole grid.
 constexpr std::int64_t kMostBlocks = 1 << 14;
 
-Spectrum to_spectrum(float value) { return Spectrum(value); }
-Spectrum to_spectrum(const nanovdb::Vec3f& v) { return {v[0], v[1], v[2]}; }
+Spectrum to_spectrum(float value) {
+  return Spectrum(value);
+}
+Spectrum to_spectrum(const nanovdb::Vec3f& v) {
+  return {v[0], v[1], v[2]};
+}
 
 struct IndexBox {
   int min[3] = {std::numeric_limits<int>::max(), std::numeric_limits<int>::max(), std::numeric_limits<int>::max()};
@@ -33,8 +37,8 @@ struct IndexBox {
   bool empty() const { return min[0] > max[0]; }
 };
 
-/// Looks at every node of a grid before anything follows its offsets: they come from a file. What it finds out on the way are the values'
-/// range and where they are.
+/// Looks at every node of a grid before anything follows its offsets: they come from a file. What it finds out on the
+/// way are the values' range and where they are.
 template <typename T>
 class GridInspection {
  public:
@@ -57,7 +61,8 @@ class GridInspection {
     see(data->mBackground);
     for (std::uint32_t i = 0; i < data->mTableSize; ++i) {
       const auto* tile = data->tile(i);
-      if (tile->isChild() ? !inspect(at<Upper>(data, tile->child), tile->origin()) : !inspect_tile(tile->value, tile->isActive(), tile->origin(), Upper::DIM))
+      if (tile->isChild() ? !inspect(at<Upper>(data, tile->child), tile->origin())
+                          : !inspect_tile(tile->value, tile->isActive(), tile->origin(), Upper::DIM))
         return false;
     }
     return true;
@@ -67,7 +72,9 @@ class GridInspection {
   const IndexBox& box() const { return box_; }
 
  private:
-  std::size_t position(const void* p) const { return static_cast<std::size_t>(static_cast<const std::byte*>(p) - bytes_.data()); }
+  std::size_t position(const void* p) const {
+    return static_cast<std::size_t>(static_cast<const std::byte*>(p) - bytes_.data());
+  }
 
   /// The node so many bytes from `base`, if all of it lies within the file's.
   template <typename Node>
@@ -101,10 +108,12 @@ class GridInspection {
       const auto* data = node->data();
       for (std::uint32_t i = 0; i < Node::SIZE; ++i) {
         const Coord local = Node::OffsetToLocalCoord(i);
-        const Coord place(origin[0] + local[0] * static_cast<int>(Child::DIM), origin[1] + local[1] * static_cast<int>(Child::DIM),
+        const Coord place(origin[0] + local[0] * static_cast<int>(Child::DIM),
+                          origin[1] + local[1] * static_cast<int>(Child::DIM),
                           origin[2] + local[2] * static_cast<int>(Child::DIM));
-        const bool good = data->mChildMask.isOn(i) ? inspect(at<Child>(data, data->mTable[i].child), place)
-                                                   : inspect_tile(data->mTable[i].value, data->mValueMask.isOn(i), place, Child::DIM);
+        const bool good = data->mChildMask.isOn(i)
+                              ? inspect(at<Child>(data, data->mTable[i].child), place)
+                              : inspect_tile(data->mTable[i].value, data->mValueMask.isOn(i), place, Child::DIM);
         if (!good) return false;
       }
       return true;
@@ -115,7 +124,8 @@ class GridInspection {
     for (std::uint32_t i = 0; i < Leaf::SIZE; ++i) {
       see(leaf.data()->mValues[i]);
       const Coord local = Leaf::OffsetToLocalCoord(i);
-      if (leaf.data()->mValueMask.isOn(i)) box_.extend({origin[0] + local[0], origin[1] + local[1], origin[2] + local[2]}, 1);
+      if (leaf.data()->mValueMask.isOn(i))
+        box_.extend({origin[0] + local[0], origin[1] + local[1], origin[2] + local[2]}, 1);
     }
     return true;
   }
@@ -149,7 +159,9 @@ class VdbGrid : public VolumeGrid {
       weight[axis] = x - below;
     }
     const auto voxels = grid().getAccessor();
-    const auto value = [&](int dx, int dy, int dz) { return to_spectrum(voxels.getValue({cell[0] + dx, cell[1] + dy, cell[2] + dz})); };
+    const auto value = [&](int dx, int dy, int dz) {
+      return to_spectrum(voxels.getValue({cell[0] + dx, cell[1] + dy, cell[2] + dz}));
+    };
     const auto along_x = [&](int y, int z) { return value(0, y, z) * (1 - weight[0]) + value(1, y, z) * weight[0]; };
     const auto in_plane = [&](int z) { return along_x(0, z) * (1 - weight[1]) + along_x(1, z) * weight[1]; };
     return in_plane(0) * (1 - weight[2]) + in_plane(1) * weight[2];
@@ -186,7 +198,9 @@ class VdbGrid : public VolumeGrid {
   Bounds3 bounds() const override { return transformed(box_, to_world_); }
 
  private:
-  const nanovdb::NanoGrid<T>& grid() const { return *reinterpret_cast<const nanovdb::NanoGrid<T>*>(bytes_.bytes().data()); }
+  const nanovdb::NanoGrid<T>& grid() const {
+    return *reinterpret_cast<const nanovdb::NanoGrid<T>*>(bytes_.bytes().data());
+  }
   /// The nearest coordinate within the bounds; NaN is their lower end.
   float inside(float x, int axis) const { return x > box_.min[axis] ? std::min(x, box_.max[axis]) : box_.min[axis]; }
 
@@ -196,37 +210,51 @@ class VdbGrid : public VolumeGrid {
   ValueRange range_;
 };
 
-Vec3 to_vec3(const nanovdb::Vec3d& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])}; }
+Vec3 to_vec3(const nanovdb::Vec3d& v) {
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
 
 Transform to_transform(const nanovdb::Map& map) {
   const auto image = [&](double x, double y, double z) { return map.applyMap(nanovdb::Vec3d(x, y, z)); };
   const nanovdb::Vec3d origin = image(0, 0, 0);
-  return {to_vec3(image(1, 0, 0) - origin), to_vec3(image(0, 1, 0) - origin), to_vec3(image(0, 0, 1) - origin), to_vec3(origin)};
+  return {to_vec3(image(1, 0, 0) - origin), to_vec3(image(0, 1, 0) - origin), to_vec3(image(0, 0, 1) - origin),
+          to_vec3(origin)};
 }
 
 template <typename T>
-std::shared_ptr<const VolumeGrid> make_grid(NvdbBytes bytes, const std::filesystem::path& file, const Transform& to_world) {
+std::shared_ptr<const VolumeGrid> make_grid(NvdbBytes bytes, const std::filesystem::path& file,
+                                            const Transform& to_world) {
   const auto fail = [&](const char* what) { throw Error(Failure::input, fmt::format("{}: {}.", file.string(), what)); };
   GridInspection<T> inspection(bytes.bytes());
   if (!inspection.passes()) fail("the grid is damaged: its parts lie outside the file");
   if (inspection.box().empty()) fail("the grid holds no values");
-  if (!std::isfinite(inspection.range().min) || !std::isfinite(inspection.range().max)) fail("the grid holds values that are not finite");
-  const Transform index_to_world = to_world * to_transform(reinterpret_cast<const nanovdb::GridData*>(bytes.bytes().data())->mMap);
+  if (!std::isfinite(inspection.range().min) || !std::isfinite(inspection.range().max))
+    fail("the grid holds values that are not finite");
+  const Transform index_to_world =
+      to_world * to_transform(reinterpret_cast<const nanovdb::GridData*>(bytes.bytes().data())->mMap);
   const float volume = index_to_world.determinant();
-  if (!(std::abs(volume) > 0) || !std::isfinite(volume) || !is_finite(index_to_world.origin)) fail("the grid's voxels have no size");
+  if (!(std::abs(volume) > 0) || !std::isfinite(volume) || !is_finite(index_to_world.origin))
+    fail("the grid's voxels have no size");
   return std::make_shared<const VdbGrid<T>>(std::move(bytes), index_to_world, inspection.box(), inspection.range());
 }
 
 }  // namespace
 
-std::shared_ptr<const VolumeGrid> read_vdb(const std::filesystem::path& file, const std::string& grid, const Transform& to_world) {
+std::shared_ptr<const VolumeGrid> read_vdb(const std::filesystem::path& file, const std::string& grid,
+                                           const Transform& to_world) {
   NvdbBytes bytes = read_nvdb_file(file, grid);
   const auto& data = *reinterpret_cast<const nanovdb::GridData*>(bytes.bytes().data());
-  if (data.mMagic != NANOVDB_MAGIC_NUMBER) throw Error(Failure::input, fmt::format("{}: the grid is damaged.", file.string()));
+  if (data.mMagic != NANOVDB_MAGIC_NUMBER)
+    throw Error(Failure::input, fmt::format("{}: the grid is damaged.", file.string()));
   switch (data.mGridType) {
-    case nanovdb::GridType::Float: return make_grid<float>(std::move(bytes), file, to_world);
-    case nanovdb::GridType::Vec3f: return make_grid<nanovdb::Vec3f>(std::move(bytes), file, to_world);
-    default: throw Error(Failure::input, fmt::format("{}: the grid holds neither floats nor vectors of three floats; no others are read.", file.string()));
+    case nanovdb::GridType::Float:
+      return make_grid<float>(std::move(bytes), file, to_world);
+    case nanovdb::GridType::Vec3f:
+      return make_grid<nanovdb::Vec3f>(std::move(bytes), file, to_world);
+    default:
+      throw Error(Failure::input,
+                  fmt::format("{}: the grid holds neither floats nor vectors of three floats; no others are read.",
+                              file.string()));
   }
 }
 

@@ -16,7 +16,7 @@ struct ValueRange {
   float min = 0, max = 0;
 };
 
-/// Values in space: constant, on a regular grid, or in a sparse OpenVDB or NanoVDB grid. A small handle; copies share
+/// Values in space: constant, on a regular grid, or in a sparse NanoVDB grid. A small handle; copies share
 /// the data.
 class Volume {
  public:

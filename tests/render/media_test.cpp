@@ -163,7 +163,8 @@ TEST(Media, ThatAbsorbNothingDisappearInUniformLight) {
                      0.006);
         // Within glass of index n, radiance is n² of that outside.
         kit.camera_in(medium);
-        expect_means(tests, name + ", from the centre", render(kit.compile(), kFromCentre, square_settings(20, 128)).beauty,
+        expect_means(tests, name + ", from the centre",
+                     render(kit.compile(), kFromCentre, square_settings(20, 128)).beauty,
                      Spectrum(glass ? 2.25f : 1.0f), 0.012);
       }
   EXPECT_TRUE(tests.holds());

@@ -27,8 +27,7 @@ TEST(Visibility, APlateJustBelowALampHidesIt) {
     kit.quad({-10, 0, 10}, {20, 0, 0}, {0, 0, -20}, kit.diffuse(Spectrum(0.5f)));
     kit.quad({-1, distance, -1}, {2, 0, 0}, {0, 0, 2}, kit.emitter(Spectrum(100)));
     kit.quad({-3, distance - gap, -3}, {6, 0, 0}, {0, 0, 6}, kit.diffuse(Spectrum(0)));
-    const Picture picture =
-        render(kit.compile(), pinhole({0, 0.5f, 2}, {0, 0, 0}, 0.3f), square_settings(16, 16, 1));
+    const Picture picture = render(kit.compile(), pinhole({0, 0.5f, 2}, {0, 0, 0}, 0.3f), square_settings(16, 16, 1));
     EXPECT_EQ(brightest(picture), 0) << distance;
   }
 }
@@ -56,7 +55,8 @@ TEST(Visibility, ALampDoesNotHideItself) {
 TEST(Visibility, BentNormalsLetNothingThrough) {
   SceneKit kit;
   kit.quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, kit.diffuse(Spectrum(0.5f)));
-  kit.quad({3, -1, -1}, {0, 0, 2}, {0, 0.9f, 0}, kit.emitter(Spectrum(10)));  // below the floor, in front of its normals
+  kit.quad({3, -1, -1}, {0, 0, 2}, {0, 0.9f, 0},
+           kit.emitter(Spectrum(10)));  // below the floor, in front of its normals
   scene::SceneDescription description = kit.description();
   description.meshes[0].normals.assign(description.meshes[0].positions.size(), normalize(Vec3(1.7f, 1, 0)));
   Diagnostics diagnostics;

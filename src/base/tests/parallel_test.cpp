@@ -22,7 +22,8 @@ TEST(ParallelFor, VisitsEveryIndexOnce) {
 }
 
 TEST(ParallelFor, PassesExceptionsOn) {
-  EXPECT_THROW(parallel_for(10, 1, [](std::size_t, std::size_t) { throw std::runtime_error("no"); }), std::runtime_error);
+  EXPECT_THROW(parallel_for(10, 1, [](std::size_t, std::size_t) { throw std::runtime_error("no"); }),
+               std::runtime_error);
 }
 
 }  // namespace

@@ -10,9 +10,10 @@ namespace {
 using scene::FilterKind;
 using scene::ReconstructionFilter;
 
-const ReconstructionFilter kAll[] = {{FilterKind::box, 0.5f},        {FilterKind::box, 1.25f},     {FilterKind::tent, 1},
-                                     {FilterKind::gaussian, 2},      {FilterKind::mitchell, 2},    {FilterKind::mitchell, 2, 0, 0.75f},
-                                     {FilterKind::catmull_rom, 2},   {FilterKind::lanczos, 3},     {FilterKind::lanczos, 2}};
+const ReconstructionFilter kAll[] = {
+    {FilterKind::box, 0.5f},      {FilterKind::box, 1.25f},  {FilterKind::tent, 1},
+    {FilterKind::gaussian, 2},    {FilterKind::mitchell, 2}, {FilterKind::mitchell, 2, 0, 0.75f},
+    {FilterKind::catmull_rom, 2}, {FilterKind::lanczos, 3},  {FilterKind::lanczos, 2}};
 
 /// ∫ f(x) g(x) dx / ∫ f(x) dx by Simpson's rule.
 double filtered(const ReconstructionFilter& filter, double (*g)(double)) {
@@ -44,7 +45,8 @@ TEST(PixelFilter, SamplesHaveTheFiltersMoments) {
     const PixelFilter sampler(filter);
     for (auto* g : {+[](double) { return 1.0; }, +[](double x) { return x; }, +[](double x) { return x * x; },
                     +[](double x) { return std::cos(4 * x); }, +[](double x) { return x > 0.3 ? 1.0 : 0.0; }})
-      EXPECT_NEAR(sampled(sampler, g), filtered(filter, g), 2e-3) << static_cast<int>(filter.kind) << " radius " << filter.radius;
+      EXPECT_NEAR(sampled(sampler, g), filtered(filter, g), 2e-3)
+          << static_cast<int>(filter.kind) << " radius " << filter.radius;
   }
 }
 
@@ -57,7 +59,8 @@ TEST(PixelFilter, PositiveFiltersWeighEverySampleAlike) {
       least = std::min(least, w);
       most = std::max(most, w);
     }
-    const bool positive = filter.kind == FilterKind::box || filter.kind == FilterKind::tent || filter.kind == FilterKind::gaussian;
+    const bool positive =
+        filter.kind == FilterKind::box || filter.kind == FilterKind::tent || filter.kind == FilterKind::gaussian;
     if (positive)
       EXPECT_LT(most - least, 1e-3f) << static_cast<int>(filter.kind);
     else

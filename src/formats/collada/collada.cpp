@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "formats/collada/document.h"
-#include "formats/report.h"
 #include "formats/collada/scene_reader.h"
+#include "formats/report.h"
 
 namespace etendue::collada {
 namespace {

@@ -128,8 +128,11 @@ scene::Material MaterialLibrary::read_cgl(pugi::xml_node model) {
       throw Problem(fmt::format("the roughness alpha={} is not above zero; for a smooth metal use <mirror>", alpha),
                     document_.locate(model.child("alpha")));
     material.surface = scene::ConductorMaterial{color(required_child(document_, model, "eta")),
-                                                color(required_child(document_, model, "k")), alpha, alpha,
-                                                scene::Microfacets::beckmann, tint(model, "reflectance")};
+                                                color(required_child(document_, model, "k")),
+                                                alpha,
+                                                alpha,
+                                                scene::Microfacets::beckmann,
+                                                tint(model, "reflectance")};
   } else {
     const pugi::xml_node given = model.child("reflectance") ? model.child("reflectance") : model.child("color");
     material.surface = scene::DiffuseMaterial{given ? reflectance(given) : Spectrum(0.5f)};

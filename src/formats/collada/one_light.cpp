@@ -153,10 +153,11 @@ std::vector<scene::Light> without_doubled_lights(const scene::SceneDescription& 
                        light.where);
     } else {
       report.warning(
-          fmt::format("the area light {} (radiance {} {} {}) lies on the emissive mesh {} (radiance {} {} {}): one place "
-                      "holds one light, and what is seen is kept, the mesh",
-                      in_quotes(light.name), source->radiance.r, source->radiance.g, source->radiance.b,
-                      in_quotes(lamp->instance->name), lamp->radiance.r, lamp->radiance.g, lamp->radiance.b),
+          fmt::format(
+              "the area light {} (radiance {} {} {}) lies on the emissive mesh {} (radiance {} {} {}): one place "
+              "holds one light, and what is seen is kept, the mesh",
+              in_quotes(light.name), source->radiance.r, source->radiance.g, source->radiance.b,
+              in_quotes(lamp->instance->name), lamp->radiance.r, lamp->radiance.g, lamp->radiance.b),
           light.where);
     }
   }

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "formats/collada/numbers.h"
-#include "formats/report.h"
 #include "formats/collada/sources.h"
 #include "formats/mesh/vertices.h"
+#include "formats/report.h"
 #include "scene/scene.h"
 
 namespace etendue::collada {

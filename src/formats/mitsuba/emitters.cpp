@@ -90,7 +90,8 @@ float picture_aspect(const scene::ColorInput& input, const scene::SceneDescripti
 
 scene::Light read_projector(Properties& properties, TextureLibrary& textures) {
   scene::ProjectorLight projector;
-  projector.irradiance = textures.color(properties, "irradiance", Spectrum(1), SpectrumRole::emission, TextureLibrary::Use::slide);
+  projector.irradiance =
+      textures.color(properties, "irradiance", Spectrum(1), SpectrumRole::emission, TextureLibrary::Use::slide);
   projector.scale = kProjectorFactor * properties.number("scale", 1, 0, 3e38f);
   projector.aspect = picture_aspect(projector.irradiance, textures.scene());
   projector.xfov_deg = read_horizontal_fov(properties, projector.aspect);

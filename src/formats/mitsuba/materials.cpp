@@ -361,7 +361,8 @@ scene::Material MaterialLibrary::bump_map(Properties& properties) {
   if (height == nullptr) throw Problem("\"bumpmap\" needs a <texture> in it", properties.where());
   const float scale = properties.number("scale", 1);
   warn_about_normal_handling(properties);
-  const auto texture = textures_.texture(properties.document(), *height, TextureLibrary::Use::number, properties.report());
+  const auto texture =
+      textures_.texture(properties.document(), *height, TextureLibrary::Use::number, properties.report());
   if (!texture) return scene_.materials[inner.index];
   scene::Material result = both_sides(scene::BumpMaterial{inner, *texture, scale});
   result.one_sided = is_one_sided(inner);
@@ -375,7 +376,8 @@ scene::Material MaterialLibrary::normal_map(Properties& properties) {
   warn_about_normal_handling(properties);
   if (is_constant_color(*normals))
     throw Problem("\"normalmap\" needs a picture; one colour for all is no map", normals->where);
-  const auto texture = textures_.texture(properties.document(), *normals, TextureLibrary::Use::color, properties.report());
+  const auto texture =
+      textures_.texture(properties.document(), *normals, TextureLibrary::Use::color, properties.report());
   if (!texture) return scene_.materials[inner.index];
   scene::Material result = both_sides(scene::NormalMapMaterial{inner, *texture});
   result.one_sided = is_one_sided(inner);

@@ -128,9 +128,6 @@ TEST(Instance, EqualsTheTransformedMesh) {
       EXPECT_NEAR(s.uv.y, t.uv.y, 1e-4f);
       EXPECT_LT(distance(s.dp_du, t.dp_du), 1e-4f);
       EXPECT_LT(distance(s.dp_dv, t.dp_dv), 1e-4f);
-      EXPECT_EQ(s.mirrored, t.mirrored);
-      const Frame f = shading_frame(q.shading_normal, s), g = shading_frame(q.shading_normal, t);
-      EXPECT_LT(distance(f.s, g.s) + distance(f.t, g.t), 1e-4f);
     }
     EXPECT_GT(hits, 50);
     EXPECT_LE(different, 3);
@@ -311,10 +308,6 @@ TEST(AllShapes, TangentsAreThePositionsDerivatives) {
     EXPECT_EQ(t.uv, geometry.texture_coordinates(b, q));
     const Vec3 side = normalize(cross(s.dp_du, s.dp_dv));
     EXPECT_GT(std::abs(dot(side, p.geometric_normal)), 0.998f) << "kind " << static_cast<int>(kind);
-    const Frame frame = shading_frame(p.shading_normal, s);
-    EXPECT_LT(std::abs(dot(frame.s, frame.t)) + std::abs(dot(frame.s, frame.n)) + std::abs(dot(frame.t, frame.n)),
-              1e-5f);
-    EXPECT_EQ(dot(cross(frame.s, frame.t), frame.n) < 0, s.mirrored);
   }
   for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
     EXPECT_GT(kinds[kind], 300) << "kind " << kind;
@@ -670,56 +663,16 @@ TEST(Attributes, AreInterpolatedOrOfTheFace) {
   EXPECT_FALSE(geometry.attribute(geometry.intersect({{5, 0, 5}, {0, 0, -1}}), color));
 }
 
-TEST(MeshTangents, FollowUSmoothly) {
-  TriangleMesh mesh = bent_sheet(20);
-  mesh.tangents = vertex_tangents(mesh);
-  const Geometry geometry = built(mesh);
-  Random random(14);
-  for (int i = 0; i < 500; ++i) {
-    const float x = random.between(-0.9f, 0.9f), y = random.between(-0.9f, 0.9f);
-    const Ray ray{{x, y, 3}, {0, 0, -1}};
-    const RayHit hit = geometry.intersect(ray);
-    const SurfaceHit surface = geometry.surface(ray, hit);
-    // Along u = 3a + b/2 at constant v = 2b only a = (x + 1) / 2 changes.
-    const Vec3 along = normalize(Vec3(2, 0, 0.9f * std::cos(1.5f * (x + 1))));
-    const Frame frame = shading_frame(surface.shading_normal, geometry.parametrization(hit, surface));
-    EXPECT_LT(distance(frame.s, along), 0.01f);
-    EXPECT_LT(distance(frame.t, cross(frame.n, frame.s)), 1e-5f);
-  }
-}
-
-TEST(MeshTangents, AreLeftHandedWhereCoordinatesAreMirrored) {
-  TriangleMesh mesh = bent_sheet(2);
-  for (Vec2& uv : mesh.uvs) uv.x = -uv.x;
-  mesh.tangents = vertex_tangents(mesh);
-  const Geometry geometry = built(mesh);
-  const Ray ray{{0.1f, 0.2f, 3}, {0, 0, -1}};
-  const RayHit hit = geometry.intersect(ray);
-  const SurfaceHit surface = geometry.surface(ray, hit);
-  const Parametrization parametrization = geometry.parametrization(hit, surface);
-  EXPECT_TRUE(parametrization.mirrored);
-  const Frame frame = shading_frame(surface.shading_normal, parametrization);
-  EXPECT_GT(dot(frame.s, parametrization.dp_du), 0);
-  EXPECT_GT(dot(frame.t, parametrization.dp_dv), 0);
-}
-
-TEST(MeshTangents, AreArbitraryWhereCoordinatesSayNothing) {
+TEST(Parametrization, HasTangentsWhereCoordinatesSayNothing) {
   for (const bool missing : {true, false}) {
     TriangleMesh mesh = bent_sheet(2);
     for (Vec2& uv : mesh.uvs) uv = {0.5f, 0.5f};
-    mesh.tangents = vertex_tangents(mesh);
-    EXPECT_EQ(mesh.tangents[0], Vec3(0));
     if (missing) mesh.uvs.clear();
     const Geometry geometry = built(mesh);
     const Ray ray{{0.1f, 0.2f, 3}, {0, 0, -1}};
     const RayHit hit = geometry.intersect(ray);
-    const SurfaceHit surface = geometry.surface(ray, hit);
-    const Parametrization parametrization = geometry.parametrization(hit, surface);
-    EXPECT_EQ(parametrization.tangent, Vec3(0));
+    const Parametrization parametrization = geometry.parametrization(hit, geometry.surface(ray, hit));
     EXPECT_GT(length(cross(parametrization.dp_du, parametrization.dp_dv)), 0.01f);
-    EXPECT_LT(distance(shading_frame(surface.shading_normal, parametrization).s,
-                       Frame::from_normal(surface.shading_normal).s),
-              1e-6f);
   }
 }
 

@@ -83,10 +83,12 @@ void expect_densities_agree(const Geometry& geometry, const Light& light, const 
   EXPECT_LE(differing, seen / 100);
 }
 
-void check(Geometry& geometry, const Point3& from, const Vec3& normal, const ColorSource& radiance, double tolerance = 0.01) {
+void check(Geometry& geometry, const Point3& from, const Vec3& normal, const ColorSource& radiance,
+           double tolerance = 0.01) {
   geometry.build();
   const Glow glow{&geometry, &textures(), 0, radiance};
-  const Light light = geometry.kind(0) == Geometry::Kind::mesh ? Light(TexturedMeshLight(glow)) : Light(CurvedLight(glow));
+  const Light light =
+      geometry.kind(0) == Geometry::Kind::mesh ? Light(TexturedMeshLight(glow)) : Light(CurvedLight(glow));
   const double traced = traced_irradiance(geometry, glow, from, normal, 1500);
   EXPECT_NEAR(sampled_irradiance(light, from, normal, 400'000) / traced, 1, tolerance);
   expect_densities_agree(geometry, light, from);

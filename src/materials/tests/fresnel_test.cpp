@@ -109,7 +109,8 @@ TEST(FresnelConductor, WithoutAbsorptionIsTheDielectric) {
 
 TEST(Fresnel, ConductorLikeTheOutsideNeverReflectsLessThanNothing) {
   for (int i = 0; i <= 10000; ++i)
-    for (const float eta : {1.0f, 1.00001f}) EXPECT_GE(fresnel_conductor(static_cast<float>(i) / 10000, Spectrum(eta), Spectrum(0)).r, 0);
+    for (const float eta : {1.0f, 1.00001f})
+      EXPECT_GE(fresnel_conductor(static_cast<float>(i) / 10000, Spectrum(eta), Spectrum(0)).r, 0);
 }
 
 TEST(Fresnel, StaysWithinZeroAndOne) {

@@ -16,15 +16,19 @@ MaterialPoint flat_point() {
   point.parametrization.uv = point.texture.uv;
   point.parametrization.dp_du = {1, 0, 0};
   point.parametrization.dp_dv = {0, 1, 0};
-  point.parametrization.tangent = {1, 0, 0};
   return point;
 }
 
-Vec3 direction(float theta, float phi) { return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)}; }
+Vec3 direction(float theta, float phi) {
+  return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+}
 
-Material diffuse(float reflectance) { return {UniformMaterial{DiffuseBsdf{Spectrum(reflectance)}}}; }
+Material diffuse(float reflectance) {
+  return {UniformMaterial{DiffuseBsdf{Spectrum(reflectance)}}};
+}
 
-Scattering scattering(Materials materials, const Vec3& wo, const Textures& textures = {}, const MaterialPoint& point = flat_point()) {
+Scattering scattering(Materials materials, const Vec3& wo, const Textures& textures = {},
+                      const MaterialPoint& point = flat_point()) {
   resolve_needs(materials);
   return scatter(materials, 0, textures, point, wo);
 }
@@ -35,7 +39,8 @@ std::pair<double, double> albedo_both_ways(const Scattering& s) {
   double integral = 0, sampled = 0;
   for (int i = 0; i < kTheta; ++i)
     for (int j = 0; j < kPhi; ++j) {
-      const float theta = kPi * (static_cast<float>(i) + 0.5f) / kTheta, phi = 2 * kPi * (static_cast<float>(j) + 0.5f) / kPhi;
+      const float theta = kPi * (static_cast<float>(i) + 0.5f) / kTheta,
+                  phi = 2 * kPi * (static_cast<float>(j) + 0.5f) / kPhi;
       integral += s.eval(direction(theta, phi)).f_cos.g * std::sin(theta) * (kPi / kTheta) * (2 * kPi / kPhi);
       const auto sample = s.sample({(static_cast<float>(i) + 0.5f) / kTheta, (static_cast<float>(j) + 0.5f) / kPhi},
                                    (static_cast<float>((i * 7919 + j * 104729) % 10007) + 0.5f) / 10007);
@@ -93,7 +98,8 @@ TEST(Material, BlendIsTheMeanOfBoth) {
 }
 
 TEST(Material, NeedsReachThroughEveryLayer) {
-  Materials materials = {Material{MaskMaterial{1, 0.5f}}, Material{BumpMaterial{2, 0, 1}}, diffuse(0.5f), Material{TwoSidedMaterial{0, 2}}};
+  Materials materials = {Material{MaskMaterial{1, 0.5f}}, Material{BumpMaterial{2, 0, 1}}, diffuse(0.5f),
+                         Material{TwoSidedMaterial{0, 2}}};
   resolve_needs(materials);
   EXPECT_TRUE(materials[3].needs_tangents && materials[3].may_pass && materials[3].needs_texture_point);
   EXPECT_FALSE(materials[2].needs_tangents || materials[2].may_pass);

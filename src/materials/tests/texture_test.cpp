@@ -4,7 +4,6 @@
 
 #include <limits>
 
-
 namespace etendue {
 namespace {
 
@@ -20,7 +19,9 @@ void expect_near(const Spectrum& a, const Spectrum& b, float tolerance = 1e-5f) 
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance);
 }
 
-Spectrum lookup_texture(const Image& image, Vec2 uv) { return BitmapTexture{Texels(image)}.lookup(uv); }
+Spectrum lookup_texture(const Image& image, Vec2 uv) {
+  return BitmapTexture{Texels(image)}.lookup(uv);
+}
 
 /// The middle of a texel.
 Vec2 center(const Image& image, int x, int y) {
@@ -80,7 +81,8 @@ TEST(Texture, MirrorsAndClamps) {
   BitmapTexture texture{Texels(coordinates(4, 1))};
   texture.wrap = TexelWrap::mirror;
   for (const float u : {0.1f, 0.4f, 0.9f})
-    for (const float other : {-u, 2 - u, u + 2, u - 4}) expect_near(texture.lookup({other, 0.5f}), texture.lookup({u, 0.5f}), 1e-4f);
+    for (const float other : {-u, 2 - u, u + 2, u - 4})
+      expect_near(texture.lookup({other, 0.5f}), texture.lookup({u, 0.5f}), 1e-4f);
   texture.wrap = TexelWrap::clamp;
   EXPECT_NEAR(texture.lookup({-5, 0.5f}).r, 0, 1e-6);
   EXPECT_NEAR(texture.lookup({7, 0.5f}).r, 3, 1e-6);
@@ -98,19 +100,26 @@ TEST(Texture, GradientIsThatOfTheLookup) {
   Image image(8, 8);
   for (int y = 0; y < 8; ++y)
     for (int x = 0; x < 8; ++x) image.at(x, y) = Spectrum(0.5f + 0.4f * std::sin(static_cast<float>(3 * x + 5 * y)));
-  const Textures textures = {BitmapTexture{Texels(image), TexelFilter::bilinear, TexelWrap::repeat, {{2, 0.5f}, {-0.25f, 3}, {0.1f, 0.2f}}}};
+  const Textures textures = {
+      BitmapTexture{Texels(image), TexelFilter::bilinear, TexelWrap::repeat, {{2, 0.5f}, {-0.25f, 3}, {0.1f, 0.2f}}}};
   constexpr float kStep = 1e-4f;
   for (const Vec2& uv : {Vec2(0.13f, 0.57f), Vec2(0.71f, 0.22f), Vec2(0.4f, 0.9f)}) {
-    const auto at = [&](float u, float v) { return evaluate_texture(textures, 0, TexturePoint{{u, v}, Point3(0), nullptr, {}}).luminance(); };
+    const auto at = [&](float u, float v) {
+      return evaluate_texture(textures, 0, TexturePoint{{u, v}, Point3(0), nullptr, {}}).luminance();
+    };
     const Vec2 gradient = luminance_gradient(textures, 0, TexturePoint{uv, Point3(0), nullptr, {}});
-    EXPECT_NEAR(gradient.x, (at(uv.x + kStep, uv.y) - at(uv.x - kStep, uv.y)) / (2 * kStep), 0.02f * std::abs(gradient.x) + 0.02f);
-    EXPECT_NEAR(gradient.y, (at(uv.x, uv.y + kStep) - at(uv.x, uv.y - kStep)) / (2 * kStep), 0.02f * std::abs(gradient.y) + 0.02f);
+    EXPECT_NEAR(gradient.x, (at(uv.x + kStep, uv.y) - at(uv.x - kStep, uv.y)) / (2 * kStep),
+                0.02f * std::abs(gradient.x) + 0.02f);
+    EXPECT_NEAR(gradient.y, (at(uv.x, uv.y + kStep) - at(uv.x, uv.y - kStep)) / (2 * kStep),
+                0.02f * std::abs(gradient.y) + 0.02f);
   }
 }
 
 TEST(Texture, CheckerboardHasFourFields) {
   const Textures textures = {CheckerboardTexture{Spectrum(1), Spectrum(0), {}}};
-  const auto at = [&](float u, float v) { return evaluate_texture(textures, 0, TexturePoint{{u, v}, Point3(0), nullptr, {}}).r; };
+  const auto at = [&](float u, float v) {
+    return evaluate_texture(textures, 0, TexturePoint{{u, v}, Point3(0), nullptr, {}}).r;
+  };
   EXPECT_EQ(at(0.25f, 0.25f), 1);
   EXPECT_EQ(at(0.75f, 0.25f), 0);
   EXPECT_EQ(at(0.25f, -0.25f), 0);

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "formats/mesh/polygons.h"
 #include "formats/collada/tests/test_document.h"
+#include "formats/mesh/polygons.h"
 #include "formats/mesh/vertices.h"
 
 namespace etendue::collada {
