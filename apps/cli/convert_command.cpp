@@ -46,7 +46,8 @@ scene::Camera described(const Camera& placed, const RenderSettings& settings) {
   camera.lens_radius = placed.lens_radius;
   camera.focal_distance = placed.focal_distance;
   camera.film = {settings.width, settings.height, {}, settings.filter};
-  if (settings.crop) camera.film.crop = {settings.crop->x, settings.crop->y, settings.crop->width, settings.crop->height};
+  if (settings.crop)
+    camera.film.crop = {settings.crop->x, settings.crop->y, settings.crop->width, settings.crop->height};
   return camera;
 }
 

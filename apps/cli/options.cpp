@@ -110,10 +110,11 @@ Parser::Parser() {
   flags::definitions(*info, info_options.read.definitions, "Give $NAME of a Mitsuba scene this value");
   info->add_flag("--json", info_options.json, "As JSON");
 
-  convert = add_working_command("convert",
-                                "Write a scene as a Mitsuba 3 scene, with the camera that a render would use. Meshes and\n"
-                                "volumes go into the folder OUT_files beside OUT.xml; pictures stay where they are and\n"
-                                "are referred to");
+  convert =
+      add_working_command("convert",
+                          "Write a scene as a Mitsuba 3 scene, with the camera that a render would use. Meshes and\n"
+                          "volumes go into the folder OUT_files beside OUT.xml; pictures stay where they are and\n"
+                          "are referred to");
   add_convert_flags(*convert, convert_flags);
   convert->add_option("OUT", convert_output, "The scene to write: .xml");
 

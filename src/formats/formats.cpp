@@ -88,7 +88,8 @@ const SceneFormat& written_format_of(const fs::path& path) {
       if (candidate == extension) return format;
       known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", candidate, format.name);
     }
-  throw Error(Failure::usage, fmt::format("{}: scenes are written as {}; choose a name that ends so", path.string(), known));
+  throw Error(Failure::usage,
+              fmt::format("{}: scenes are written as {}; choose a name that ends so", path.string(), known));
 }
 
 }  // namespace

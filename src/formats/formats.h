@@ -20,7 +20,8 @@ struct SceneFormat {
   std::string_view name;
   std::span<const std::string_view> extensions;  ///< lower case, with the dot
   scene::SceneDescription (*read)(const std::filesystem::path&, const ReadOptions&, Diagnostics&);
-  void (*write)(const std::filesystem::path&, const scene::SceneDescription&, Diagnostics&) = nullptr;  ///< null: cannot be written
+  void (*write)(const std::filesystem::path&, const scene::SceneDescription&,
+                Diagnostics&) = nullptr;  ///< null: cannot be written
 };
 
 /// All formats there are.
@@ -35,8 +36,9 @@ scene::SceneDescription read_scene(const std::filesystem::path& path, Diagnostic
 /// Throws Error(Failure::usage) if there is no format that can be written for the file's extension.
 void check_scene_writable(const std::filesystem::path& path);
 
-/// Writes a scene file in the format its extension names, whole or not at all. What the format cannot express becomes counted
-/// warnings that say what is written instead. Throws Error(Failure::usage) as check_scene_writable, Error(Failure::output).
+/// Writes a scene file in the format its extension names, whole or not at all. What the format cannot express becomes
+/// counted warnings that say what is written instead. Throws Error(Failure::usage) as check_scene_writable,
+/// Error(Failure::output).
 void write_scene(const std::filesystem::path& path, const scene::SceneDescription& scene, Diagnostics& diagnostics);
 
 }  // namespace etendue

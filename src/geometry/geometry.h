@@ -51,6 +51,7 @@ struct SphereShape {
   Vec3 pole{0, 1, 0};         ///< unit; where v = 1 of its texture coordinates
   Vec3 meridian{1, 0, 0};     ///< unit, perpendicular to the pole; where u = ½
   bool flip_normals = false;  ///< the front is the inside
+  bool mirrored = false;      ///< longitude grows clockwise seen from the pole
 };
 
 /// What a ray meets first: enough to find out more, as small as possible.

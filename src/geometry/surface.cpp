@@ -35,13 +35,14 @@ SurfaceHit flat_hit(const ShapePoint& point, const Transform& to_world) {
 }
 
 Parametrization parametrization_of(const SphereShape& s, const Vec3& outward) {
-  const Vec3 east = cross(s.pole, s.meridian);
+  const float turn = s.mirrored ? -1.0f : 1.0f;
+  const Vec3 east = cross(s.pole, s.meridian) * turn;
   const float x = dot(outward, s.meridian), y = dot(outward, east), sine = std::sqrt(x * x + y * y);
   const float cosine = std::clamp(dot(outward, s.pole), -1.0f, 1.0f);
   const Vec3 level = sine > 0 ? (s.meridian * x + east * y) * (1 / sine) : s.meridian;
   Parametrization out;
   out.uv = {0.5f + 0.5f * kInvPi * std::atan2(y, x), 1 - std::acos(cosine) * kInvPi};
-  out.dp_du = cross(s.pole, outward) * (2 * kPi * s.radius);
+  out.dp_du = cross(s.pole, outward) * (turn * 2 * kPi * s.radius);
   out.dp_dv = (s.pole * sine - level * cosine) * (kPi * s.radius);
   return out;
 }
@@ -67,11 +68,7 @@ Vec3 direction_of(const Vec3& v) {
 }  // namespace
 
 Geometry::Instance::Instance(std::uint32_t of, std::uint32_t first, const Transform& place)
-    : group(of),
-      first_shape(first),
-      to_world(place),
-      local(place),
-      rounding(rounding_into(place, local)) {}
+    : group(of), first_shape(first), to_world(place), local(place), rounding(rounding_into(place, local)) {}
 
 bool can_place(const Transform& to_world) {
   constexpr double kLargest = 2.5e5;

@@ -148,7 +148,8 @@ class ShapeCompiler {
       return;
     }
     const Vec3 pole = normalize(m.y);
-    add(instance, SphereShape{m.origin, radius, pole, normalize(m.x - pole * dot(m.x, pole)), instance.flip_normals});
+    add(instance, SphereShape{m.origin, radius, pole, normalize(m.x - pole * dot(m.x, pole)), instance.flip_normals,
+                              m.determinant() < 0});
   }
   void place_shape(const scene::Instance& instance, scene::Id<scene::Mesh> id) {
     TriangleMesh mesh = to_world(scene_.meshes[id.index], instance.to_world, repairs_);

@@ -34,7 +34,7 @@ std::vector<double> SphereGrid::integrals(const Density& density, double toleran
     const double jacobian = 2 * sine / (1 + t2) * focus_ / ((1 - x) * (1 - x)) * 2 * std::numbers::pi;
     return density(frame_.to_world(local)) * jacobian;
   };
-  constexpr int kPieces = 3;  // along each side of a cell: a jump between the first points is not overlooked
+  constexpr int kPieces = 5;  // along each side of a cell: a jump between the first points is not overlooked
   const int rows = rings_ * kPieces, columns = sectors_ * kPieces;
   std::vector<double> out(size());
   for (int row = 0; row < rows; ++row)

@@ -78,7 +78,7 @@ SampledPicture under(const std::function<void(SceneKit&)>& add_light, int light_
   kit.sphere({-1.1f, 0, 0}, 1, kit.diffuse(Spectrum(0.7f)));
   kit.sphere(
       {1.1f, 0, 0}, 1,
-      kit.material(scene::ConductorMaterial{Spectrum(0.2f), Spectrum(3), 0.15f, scene::Microfacets::ggx, Spectrum(1)}));
+      kit.material(scene::ConductorMaterial{Spectrum(0.2f), Spectrum(3), 0.15f, 0.15f, scene::Microfacets::ggx, Spectrum(1)}));
   add_light(kit);
   RenderSettings settings = square_settings(kSize, 128, 3);
   settings.light_samples = light_samples;

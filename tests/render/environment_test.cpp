@@ -35,7 +35,7 @@ SceneKit still_life() {
   kit.quad({-4, -1, 4}, {8, 0, 0}, {0, 0, -8}, kit.diffuse(Spectrum(0.5f, 0.4f, 0.3f)));
   kit.sphere({-1.1f, 0, 0}, 1, kit.diffuse(Spectrum(0.7f)));
   kit.sphere({1.1f, 0, 0}, 1,
-             kit.material(scene::ConductorMaterial{Spectrum(0.2f, 0.92f, 1.1f), Spectrum(3.9f, 2.45f, 2.14f), 0.3f,
+             kit.material(scene::ConductorMaterial{Spectrum(0.2f, 0.92f, 1.1f), Spectrum(3.9f, 2.45f, 2.14f), 0.3f, 0.3f,
                                                    scene::Microfacets::beckmann, Spectrum(1)}));
   return kit;
 }
@@ -118,7 +118,7 @@ TEST(Environment, AOneTexelSunLightsTheGroundAsItsIntegralSays) {
   TestFamily tests;
   for (const EnvironmentSampling sampling : {EnvironmentSampling::uniform, EnvironmentSampling::importance}) {
     const bool uniform = sampling == EnvironmentSampling::uniform;
-    const SampledPicture picture = with_sampling(kit, sampling, square_settings(32, uniform ? 1024 : 64), kAboveGround);
+    const SampledPicture picture = with_sampling(kit, sampling, square_settings(32, uniform ? 1024 : 96), kAboveGround);
     const RunningMean mean = over_pixels(picture.mean, 0);
     const double expected = 0.5 * irradiance / kPiD;
     EXPECT_LT(mean.standard_error(), (uniform ? 0.015 : 0.004) * expected);

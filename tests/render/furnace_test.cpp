@@ -142,7 +142,8 @@ double directional_albedo(const Metal& metal, double cos_o, int channel) {
 }
 
 scene::ConductorMaterial conductor(const Metal& metal) {
-  return {metal.eta, metal.k, static_cast<float>(metal.alpha), metal.distribution, Spectrum(1)};
+  const auto alpha = static_cast<float>(metal.alpha);
+  return {metal.eta, metal.k, alpha, alpha, metal.distribution, Spectrum(1)};
 }
 
 TEST_F(WhiteFurnace, RoughMetalShowsTheIntegralOfItsSingleScattering) {

@@ -83,7 +83,8 @@ class CliTest(unittest.TestCase):
 
 class CommandLine(CliTest):
     def test_help_and_version_go_to_standard_output(self):
-        for words in (["--help"], ["render", "--help"], ["info", "-h"], ["envmap", "--help"], ["diff", "--help"]):
+        for words in (["--help"], ["render", "--help"], ["info", "-h"], ["convert", "--help"], ["envmap", "--help"],
+                      ["diff", "--help"]):
             result = self.run_program(*words)
             self.assertIn("Usage: etendue", result.stdout)
             self.assertIn("Exit codes:", result.stdout)
@@ -94,7 +95,7 @@ class CommandLine(CliTest):
         for words, flags in [(["help"], ["--help"]), (["help", "render"], ["render", "--help"]),
                              (["help", "help"], ["help", "--help"]), (["version"], ["--version"])]:
             self.assertEqual(self.run_program(*words).stdout, self.run_program(*flags).stdout)
-        for command in ("render", "info", "envmap", "diff", "help", "version"):
+        for command in ("render", "info", "convert", "envmap", "diff", "help", "version"):
             self.assertRegex(self.run_program("help").stdout, rf"(?m)^  {command} ")
 
     def test_numbers_as_people_write_them(self):
@@ -558,6 +559,78 @@ class Terminal(CliTest):
         self.assertRegex(shown, r"\x1b\[38;2;\d+;\d+;\d+;48;2;\d+;\d+;\d+m▀")
         self.assertIn("\x1b[22A", shown, "it is repainted in place")  # 44 rows of pixels in a terminal of 24 lines
         self.assertRegex(shown, r" %.*rays/s")
+
+
+class Conversion(CliTest):
+    """A converted scene gives the same picture."""
+
+    def difference(self, a, b):
+        text = self.run_program("diff", a, b, "--variance").stdout
+        sigmas = [abs(float(x)) for x in re.search(r"difference of means (.+) sigma", text)[1].split()]
+        relative_mse, agreeing = (float(re.search(name + r" +(\S+)", text)[1]) for name in ("relative MSE", "agreeing"))
+        return relative_mse, agreeing, max(sigmas)
+
+    def test_a_collada_scene(self):
+        self.run_program("convert", self.scene, "out.xml", "-r", 24, 18)
+        self.assertEqual(sorted(os.listdir(self.path("out_files"))), ["floor.ply", "light.ply"])
+        self.render("-o", "a.exr", spp=16)
+        result = self.run_program("render", "out.xml", "-s", 16, "-o", "b.exr")
+        self.assertNotIn("warning", result.stderr)
+        self.assertLess(self.difference("a.exr", "b.exr")[0], 1e-6)
+
+    def test_the_box_with_spheres(self):
+        box = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../scenes/cornell-spheres.dae")
+        for placement in ("file", "fit"):
+            camera = ["-r", 100, 75] if placement == "file" else ["-r", 200, 150]
+            spp = 64 if placement == "file" else 16
+            told = self.run_program("convert", box, "out.xml", "--camera-placement", placement, *camera).stderr
+            self.assertIn("no approximation of glass by Schlick", told)
+            self.run_program("render", box, "--camera-placement", placement, *camera, "-s", spp, "--fresnel", "exact",
+                             "-o", "a.exr")
+            self.run_program("render", "out.xml", "-s", spp, "--seed", 1, "-o", "b.exr")
+            _, agreeing, sigmas = self.difference("a.exr", "b.exr")
+            self.assertEqual(agreeing, 100)
+            self.assertLess(sigmas, 4)
+
+    def test_skies_are_seen_where_they_were(self):
+        texels = [[(20 * x + y, 100 + 5 * x, 255 - 9 * x - 60 * y, 128) for x in range(8)] for y in range(3)]
+        write_hdr(self.path("map.hdr"), texels)
+        for mapping in ("standard", "cgl"):
+            sky = ["-e", "map.hdr", "--env-mapping", mapping, "--env-rotation", 40, "--env-intensity", 3]
+            self.render("-o", "a.exr", "-m", 0, *sky)
+            self.run_program("convert", self.scene, "out.xml", "-r", 24, 18, *sky)
+            self.run_program("render", "out.xml", "-m", 0, "-s", 4, "-o", "b.exr")
+            self.assertLess(self.difference("a.exr", "b.exr")[0], 1e-8, mapping)
+
+    def test_a_film_keeps_its_size_and_definitions_count(self):
+        xml = """<scene version="3.0.0"><integrator type="path"/><sensor type="perspective"><film type="hdrfilm">
+          <integer name="width" value="$wide"/><integer name="height" value="20"/></film></sensor>
+          <shape type="sphere"><point name="center" x="0" y="0" z="3"/></shape><emitter type="constant"/></scene>"""
+        self.write("in.xml", xml)
+        self.run_program("convert", "in.xml", "out.xml", "-D", "wide=30")
+        with open(self.path("out.xml")) as f:
+            self.assertIn('name="width" value="30"', f.read())
+        self.run_program("render", "in.xml", "-D", "wide=30", "-s", 4, "-o", "a.exr")
+        self.run_program("render", "out.xml", "-s", 4, "-o", "b.exr")
+        self.assertEqual(self.difference("a.exr", "b.exr")[0], 0)
+
+    def test_mistakes(self):
+        os.mkdir(self.path("taken_files"))
+        for words, code, message in [
+                ("convert", 2, "etendue convert SCENE OUT.xml"),
+                ("convert scene.dae", 2, "etendue convert SCENE OUT.xml"),
+                ("convert scene.dae out.dae", 2, "out.dae: scenes are written as .xml (Mitsuba)"),
+                ("convert scene.dae out", 2, "out: scenes are written as .xml (Mitsuba)"),
+                ("convert scene.dae none/out.xml", 4, "cannot write none/out.xml"),
+                ("convert none.dae out.xml", 3, "none.dae: there is no such file"),
+                ("convert scene.dae taken.xml", 4, "taken_files, which is there already"),
+                ("convert scene.dae out.xml --env-rotation 3", 2, "--env-rotation needs a map"),
+                ("convert scene.dae out.xml -s 3", 2, "unknown option -s")]:
+            self.assertIn(message, self.run_program(*words.split(), expect=code).stderr)
+        self.run_program("convert", self.scene, "out.xml")
+        self.assertIn("would be overwritten", self.run_program("convert", "out.xml", "./out.xml", expect=2).stderr)
+        self.run_program("convert", self.scene, "out.xml")  # again is no mistake
+        self.assertEqual(sorted(os.listdir(self.folder)), ["dark.dae", "out.xml", "out_files", "scene.dae", "taken_files"])
 
 
 class OtherCommands(CliTest):

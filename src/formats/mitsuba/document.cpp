@@ -261,7 +261,7 @@ fs::path Document::find_file(std::string_view name, SourceLocation where) const 
   std::vector<fs::path> folders = search_;
   if (const auto own = folder_of_.find(where.file); own != folder_of_.end()) folders.push_back(own->second);
   for (const fs::path& folder : folders)
-    if (const fs::path candidate = folder / name; is_file(candidate)) return candidate;
+    if (fs::path candidate = folder / name; is_file(candidate)) return candidate;
   std::set<std::string> looked;
   for (const fs::path& folder : folders) looked.insert(folder.empty() ? "the working folder" : folder.string());
   throw Problem(fmt::format("there is no file {}{}", in_quotes(name),

@@ -663,6 +663,22 @@ TEST(Attributes, AreInterpolatedOrOfTheFace) {
   EXPECT_FALSE(geometry.attribute(geometry.intersect({{5, 0, 5}, {0, 0, -1}}), color));
 }
 
+TEST(Parametrization, OfMirroredSpheresRunsTheOtherWay) {
+  const Vec3 pole = normalize(Vec3(1, 2, -1)), meridian = normalize(cross(pole, Vec3(0, 0, 1)));
+  const SphereShape plain{{0, 0, 0}, 1, pole, meridian}, mirrored{{0, 0, 0}, 1, pole, meridian, false, true};
+  const Geometry a = built(plain), b = built(mirrored);
+  Random random(5);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 outward = random.direction();
+    const Ray inwards{outward * 3, -outward};
+    const RayHit hit = a.intersect(inwards);
+    const Parametrization p = a.parametrization(hit, a.surface(inwards, hit)), q = b.parametrization(hit, b.surface(inwards, hit));
+    EXPECT_NEAR(p.uv.x + q.uv.x, 1, 1e-5f);
+    EXPECT_NEAR(p.uv.y, q.uv.y, 1e-6f);
+    EXPECT_LT(distance(p.dp_du, -q.dp_du) + distance(p.dp_dv, q.dp_dv), 1e-4f);
+  }
+}
+
 TEST(Parametrization, HasTangentsWhereCoordinatesSayNothing) {
   for (const bool missing : {true, false}) {
     TriangleMesh mesh = bent_sheet(2);

@@ -1,5 +1,7 @@
 #include "formats/mitsuba/writer/camera.h"
 
+#include <cmath>
+
 #include "formats/mitsuba/transforms.h"
 
 namespace etendue::mitsuba {
@@ -90,8 +92,15 @@ std::string sensor_type(const scene::Camera& camera) {
   return "irradiancemeter";
 }
 
+/// Only where the picture is as large as the camera does a scale say something.
+Transform without_scale(const Transform& t) {
+  const auto unit = [](const Vec3& v) { return std::abs(length_squared(v) - 1) < 1e-3f ? v : normalize(v); };
+  return {unit(t.x), unit(t.y), unit(t.z), t.origin};
+}
+
 Transform observer_transform(const scene::Camera& camera) {
-  Transform t = camera.to_world;
+  const bool is_measured = camera.projection == scene::Projection::orthographic;
+  Transform t = is_measured ? camera.to_world : without_scale(camera.to_world);
   if (camera.mirrored) t.x = -t.x;
   return facing_backwards(t);
 }

@@ -73,6 +73,14 @@ void add_color(pugi::xml_node parent, const std::string& name, const Spectrum& v
   add_value(parent, "rgb", name, digits(Vec3(value.r, value.g, value.b)));
 }
 
+void add_reflectance(pugi::xml_node parent, const std::string& name, const Spectrum& value) {
+  if (value.max() <= 1) return add_color(parent, name, value);
+  pugi::xml_node node = add_object(parent, "spectrum", "srgb");
+  node.append_attribute("name") = name.c_str();
+  add_color(node, "color", value);
+  add_flag(node, "unbounded", true);
+}
+
 void add_point(pugi::xml_node parent, const std::string& name, const Point3& value) {
   pugi::xml_node node = parent.append_child("point");
   node.append_attribute("name") = name.c_str();
@@ -96,7 +104,8 @@ std::string Ids::unique(std::string_view name, std::string_view kind) {
   for (const char c : name) base += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
   if (base.empty() || base.front() == '_') base.insert(0, kind);  // what begins with "_" is Mitsuba's own
   std::string id = base;
-  for (int i = 2; !taken_.insert(id).second; ++i) id = fmt::format("{}-{}", base, i);
+  for (int& last = last_.try_emplace(base, 1).first->second; !taken_.insert(id).second;)
+    id = fmt::format("{}-{}", base, ++last);
   return id;
 }
 

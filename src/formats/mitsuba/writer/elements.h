@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <pugixml.hpp>
 #include <set>
 #include <string>
@@ -22,6 +23,8 @@ void add_integer(pugi::xml_node parent, const std::string& name, int value);
 void add_flag(pugi::xml_node parent, const std::string& name, bool value);
 void add_text(pugi::xml_node parent, const std::string& name, const std::string& value);
 void add_color(pugi::xml_node parent, const std::string& name, const Spectrum& value);
+/// A colour of a surface: one above 1 is written so that it stays so.
+void add_reflectance(pugi::xml_node parent, const std::string& name, const Spectrum& value);
 void add_point(pugi::xml_node parent, const std::string& name, const Point3& value);
 /// Nothing if it is the identity.
 void add_transform(pugi::xml_node parent, const std::string& name, const Transform& value);
@@ -35,7 +38,8 @@ class Ids {
   std::string telling(std::string_view name, std::string_view type);
 
  private:
-  std::set<std::string, std::less<>> taken_;
+  std::set<std::string> taken_;
+  std::map<std::string, int> last_;  ///< number given to a name
 };
 
 }  // namespace etendue::mitsuba

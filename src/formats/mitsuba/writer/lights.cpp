@@ -12,7 +12,8 @@ constexpr float kWidestPictureDeg = 80;
 
 class LightWriter {
  public:
-  LightWriter(pugi::xml_node parent, const scene::Light& light, WriterContext& context, TextureWriter& textures, ShapeWriter& shapes)
+  LightWriter(pugi::xml_node parent, const scene::Light& light, WriterContext& context, TextureWriter& textures,
+              ShapeWriter& shapes)
       : parent_(parent), light_(light), context_(context), textures_(textures), shapes_(shapes) {}
 
   void operator()(const scene::PointLight& l) const {
@@ -43,17 +44,21 @@ class LightWriter {
 
   void operator()(const scene::HemisphereLight& l) const {
     const pugi::xml_node node = add("envmap");
-    context_.written_instead("a light from above the horizon is written as a picture of it, whose edge is blurred over 0.2 degrees",
-                             light_.where);
-    add_text(node, "filename", context_.files.add_picture(light_.name.empty() ? "hemisphere" : light_.name, upper_half_picture(l.radiance)));
+    context_.written_instead(
+        "a light from above the horizon is written as a picture of it, whose edge is blurred over 0.2 degrees",
+        light_.where);
+    add_text(
+        node, "filename",
+        context_.files.add_picture(light_.name.empty() ? "hemisphere" : light_.name, upper_half_picture(l.radiance)));
   }
 
-  /// Turning a map about +y counter-clockwise, seen from above, is what turning its frame does. Read from right to left its
-  /// middle lies elsewhere by a quarter.
+  /// Turning a map about +y counter-clockwise, seen from above, is what turning its frame does. Read from right to left
+  /// its middle lies elsewhere by a quarter.
   void operator()(const scene::EnvironmentLight& l) const {
     const pugi::xml_node node = add("envmap");
-    const std::string file = l.mirrored ? context_.files.add_picture(l.file.stem().string(), mirrored_map(read_image(l.file)))
-                                        : context_.files.elsewhere(l.file);
+    const std::string file = l.mirrored
+                                 ? context_.files.add_picture(l.file.stem().string(), mirrored_map(read_image(l.file)))
+                                 : context_.files.elsewhere(l.file);
     const float turn_deg = l.rotation_deg + (l.mirrored ? 90.0f : 0.0f);
     const Transform& t = light_.to_world;
     add_text(node, "filename", file);
@@ -65,7 +70,7 @@ class LightWriter {
   void operator()(const scene::ProjectorLight& l) const {
     const pugi::xml_node node = add("projector");
     add_transform(node, "to_world", facing_backwards(light_.to_world));
-    textures_.add(node, "irradiance", l.irradiance, TextureWriter::Use::slide);
+    textures_.add_emission(node, "irradiance", l.irradiance, TextureWriter::Use::slide);
     add_number(node, "scale", l.scale / kPi);
     add_number(node, "fov", l.xfov_deg);
     add_text(node, "fov_axis", "x");
@@ -80,7 +85,8 @@ class LightWriter {
 
   void add_falloff(pugi::xml_node node, const scene::SpotLight& l) const {
     if (l.texture || l.cutoff_deg > kWidestPictureDeg) {
-      context_.written_instead("the falloff of a spot that has a picture, or is wider than 80 degrees, is left out", light_.where);
+      context_.written_instead("the falloff of a spot that has a picture, or is wider than 80 degrees, is left out",
+                               light_.where);
       return;
     }
     context_.written_instead("a spot's falloff with a power of the cosine is written as a picture of it", light_.where);
@@ -107,7 +113,8 @@ void add_light(pugi::xml_node parent, const scene::Light& light, WriterContext& 
 }
 
 bool surrounds(const scene::Light& light) {
-  return std::holds_alternative<scene::HemisphereLight>(light.source) || std::holds_alternative<scene::EnvironmentLight>(light.source) ||
+  return std::holds_alternative<scene::HemisphereLight>(light.source) ||
+         std::holds_alternative<scene::EnvironmentLight>(light.source) ||
          std::holds_alternative<scene::ConstantLight>(light.source);
 }
 

@@ -56,7 +56,7 @@ void MaterialWriter::write(const scene::DiffuseMaterial& m, const Target& target
 void MaterialWriter::write(const scene::MirrorMaterial& m, const Target& target) {
   const pugi::xml_node node = target.add("conductor");
   add_text(node, "material", "none");
-  add_color(node, "specular_reflectance", m.reflectance);
+  add_reflectance(node, "specular_reflectance", m.reflectance);
 }
 
 void MaterialWriter::write(const scene::GlassMaterial& m, const Target& target) {
@@ -65,8 +65,8 @@ void MaterialWriter::write(const scene::GlassMaterial& m, const Target& target) 
                              target.material.where);
   const pugi::xml_node node = target.add("dielectric");
   add_ior(node, m.ior);
-  add_color(node, "specular_reflectance", m.reflectance);
-  add_color(node, "specular_transmittance", m.transmittance);
+  add_reflectance(node, "specular_reflectance", m.reflectance);
+  add_reflectance(node, "specular_transmittance", m.transmittance);
 }
 
 void MaterialWriter::write(const scene::RefractionMaterial& m, const Target& target) {
@@ -75,15 +75,16 @@ void MaterialWriter::write(const scene::RefractionMaterial& m, const Target& tar
       target.material.where);
   const pugi::xml_node node = target.add("dielectric");
   add_ior(node, m.ior);
-  add_color(node, "specular_reflectance", Spectrum(0));
-  add_color(node, "specular_transmittance", m.transmittance);
+  add_reflectance(node, "specular_reflectance", Spectrum(0));
+  add_reflectance(node, "specular_transmittance", m.transmittance);
 }
 
 void MaterialWriter::add_roughness(pugi::xml_node node, const scene::FloatInput& u, const scene::FloatInput& v,
                                    const Target& target) {
   const auto add = [&](const char* name, scene::FloatInput alpha) {
     if (float* constant = std::get_if<float>(&alpha); constant != nullptr && *constant < kLeastRoughness) {
-      context_.written_instead("a roughness is below 0.0001, the least that Mitsuba knows; 0.0001 is written", target.material.where);
+      context_.written_instead("a roughness is below 0.0001, the least that Mitsuba knows; 0.0001 is written",
+                               target.material.where);
       *constant = kLeastRoughness;
     }
     textures_.add(node, name, alpha);

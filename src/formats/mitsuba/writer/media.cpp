@@ -2,7 +2,8 @@
 
 namespace etendue::mitsuba {
 
-void MediumWriter::add(pugi::xml_node parent, const std::string& name, const std::optional<scene::Id<scene::Medium>>& medium) {
+void MediumWriter::add(pugi::xml_node parent, const std::string& name,
+                       const std::optional<scene::Id<scene::Medium>>& medium) {
   if (medium) add_reference(parent, name, id(*medium));
 }
 
@@ -11,7 +12,8 @@ const std::string& MediumWriter::id(scene::Id<scene::Medium> id) {
   if (!is_new) return place->second;
   const scene::Medium& medium = context_.scene.media[id.index];
   place->second = context_.ids.unique(medium.name, "medium");
-  const bool is_constant = std::holds_alternative<Spectrum>(medium.sigma_t) && std::holds_alternative<Spectrum>(medium.albedo);
+  const bool is_constant =
+      std::holds_alternative<Spectrum>(medium.sigma_t) && std::holds_alternative<Spectrum>(medium.albedo);
   pugi::xml_node node = add_object(elements_, "medium", is_constant ? "homogeneous" : "heterogeneous", place->second);
   textures_.add(node, "sigma_t", medium.sigma_t);
   textures_.add(node, "albedo", medium.albedo);

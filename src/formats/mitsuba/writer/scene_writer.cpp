@@ -12,9 +12,11 @@ namespace {
 
 /// Whether light can pass something that does not bend it, so that it matters how that counts.
 bool has_what_lets_pass(const scene::SceneDescription& scene) {
-  return !scene.media.empty() || std::any_of(scene.materials.begin(), scene.materials.end(), [](const scene::Material& material) {
-    return std::holds_alternative<scene::NullMaterial>(material.surface) || std::holds_alternative<scene::MaskMaterial>(material.surface);
-  });
+  return !scene.media.empty() ||
+         std::any_of(scene.materials.begin(), scene.materials.end(), [](const scene::Material& material) {
+           return std::holds_alternative<scene::NullMaterial>(material.surface) ||
+                  std::holds_alternative<scene::MaskMaterial>(material.surface);
+         });
 }
 
 /// Mitsuba counts vertices, we bounces. Its "path" counts boundaries that do nothing, its "volpath" does not.
@@ -59,11 +61,14 @@ class SceneWriter {
   }
 
  private:
-  const scene::Camera* camera() const { return context_.scene.cameras.empty() ? nullptr : &context_.scene.cameras.front(); }
+  const scene::Camera* camera() const {
+    return context_.scene.cameras.empty() ? nullptr : &context_.scene.cameras.front();
+  }
 
   void add_sensor() {
     if (context_.scene.cameras.size() > 1)
-      context_.written_instead("a scene is written with one camera, the one that is used; others are left out", context_.scene.cameras[1].where);
+      context_.written_instead("a scene is written with one camera, the one that is used; others are left out",
+                               context_.scene.cameras[1].where);
     if (camera() != nullptr && !camera()->measured_shape) add_camera(sensors_, *camera(), context_, media_);
   }
 

@@ -13,10 +13,10 @@
 ///   scene_writer  all of them
 namespace etendue::mitsuba {
 
-/// Writes the description as the scene `path`, and what it needs beside it in the folder NAME_files. Pictures, environment
-/// maps and OpenVDB files stay where they are and are referred to. What Mitsuba has no word for becomes a counted warning
-/// that says what is written instead. Everything appears, or nothing. Throws Error(Failure::output), Error(Failure::usage)
-/// if a file that the scene refers to would be overwritten.
+/// Writes the description as the scene `path`, and what it needs beside it in the folder NAME_files. Pictures,
+/// environment maps and OpenVDB files stay where they are and are referred to. What Mitsuba has no word for becomes a
+/// counted warning that says what is written instead. Everything appears, or nothing. Throws Error(Failure::output),
+/// Error(Failure::usage) if a file that the scene refers to would be overwritten.
 void write_file(const std::filesystem::path& path, const scene::SceneDescription& scene, Diagnostics& diagnostics);
 
 }  // namespace etendue::mitsuba

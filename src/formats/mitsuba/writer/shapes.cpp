@@ -9,8 +9,8 @@ namespace etendue::mitsuba {
 namespace {
 
 bool has_same_geometry(const scene::Mesh& a, const scene::Mesh& b) {
-  return a.attributes.empty() && b.attributes.empty() && a.positions == b.positions && a.normals == b.normals && a.uvs == b.uvs &&
-         a.triangles == b.triangles;
+  return a.attributes.empty() && b.attributes.empty() && a.positions == b.positions && a.normals == b.normals &&
+         a.uvs == b.uvs && a.triangles == b.triangles;
 }
 
 /// The mesh as a shape that needs no file: its type, and whether it is turned inside out.
@@ -54,7 +54,7 @@ std::string curve_text(const scene::Curves& curves) {
 }
 
 void add_emitter(pugi::xml_node shape, const scene::ColorInput& radiance, TextureWriter& textures) {
-  textures.add(add_object(shape, "emitter", "area"), "radiance", radiance);
+  textures.add_emission(add_object(shape, "emitter", "area"), "radiance", radiance, TextureWriter::Use::color);
 }
 
 }  // namespace
@@ -124,7 +124,8 @@ pugi::xml_node ShapeWriter::add_geometry(pugi::xml_node parent, const scene::Ins
 }
 
 /// Nothing if it has no triangles.
-pugi::xml_node ShapeWriter::add_mesh(pugi::xml_node parent, const scene::Instance& instance, scene::Id<scene::Mesh> id) {
+pugi::xml_node ShapeWriter::add_mesh(pugi::xml_node parent, const scene::Instance& instance,
+                                     scene::Id<scene::Mesh> id) {
   const scene::Mesh& mesh = context_.scene.meshes[id.index];
   if (mesh.triangles.empty()) {
     context_.written_instead("a mesh without triangles is left out", mesh.where);
@@ -166,7 +167,8 @@ const std::string& ShapeWriter::mesh_file(scene::Id<scene::Mesh> id) {
 const std::string& ShapeWriter::curve_file(scene::Id<scene::Curves> id) {
   const auto [place, is_new] = curve_files_.try_emplace(id.index);
   const scene::Curves& curves = context_.scene.curves[id.index];
-  if (is_new) place->second = context_.files.add(curves.name.empty() ? "curves" : curves.name, ".txt", curve_text(curves));
+  if (is_new)
+    place->second = context_.files.add(curves.name.empty() ? "curves" : curves.name, ".txt", curve_text(curves));
   return place->second;
 }
 

@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/output_file.h"
-#include "formats/mitsuba/writer/elements.h"
 #include "image/io.h"
 
 namespace etendue::mitsuba {
@@ -23,8 +22,21 @@ fs::path resolved(const fs::path& file) {
 }
 
 [[noreturn]] void fail(const fs::path& path, const std::error_code& reason) {
-  throw Error(Failure::output, fmt::format("cannot write {}: {}; check that the folder may be written to, or choose another place",
-                                           path.string(), reason.message()));
+  throw Error(Failure::output,
+              fmt::format("cannot write {}: {}; check that the folder may be written to, or choose another place",
+                          path.string(), reason.message()));
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code failure;
+  fs::create_directory(folder, failure);
+  if (failure) fail(folder, failure);
+}
+
+void move(const fs::path& from, const fs::path& to) {
+  std::error_code failure;
+  fs::rename(from, to, failure);
+  if (failure) fail(to, failure);
 }
 
 }  // namespace
@@ -37,9 +49,10 @@ SideFiles::SideFiles(const fs::path& scene_file)
   std::error_code failure;
   const bool is_ours = fs::is_directory(folder_, failure) && fs::exists(scene_file, failure);
   if (fs::exists(folder_, failure) && !is_ours)
-    throw Error(Failure::output, fmt::format("the files of {} would go into {}, which is there already and may belong to something "
-                                             "else; remove it or choose another name",
-                                             scene_file.string(), folder_.string()));
+    throw Error(Failure::output,
+                fmt::format("the files of {} would go into {}, which is there already and may belong to something "
+                            "else; remove it or choose another name",
+                            scene_file.string(), folder_.string()));
 }
 
 SideFiles::~SideFiles() {
@@ -48,14 +61,8 @@ SideFiles::~SideFiles() {
 }
 
 fs::path SideFiles::new_file(std::string_view stem, std::string_view extension) {
-  std::error_code failure;
-  fs::create_directory(temporary_, failure);
-  if (failure) fail(temporary_, failure);
-  std::string name;
-  Ids similar;  // counts up to a name that is free
-  do name = similar.unique(stem, "file") + std::string(extension);
-  while (!names_.insert(name).second);
-  return temporary_ / name;
+  make_folder(temporary_);
+  return temporary_ / names_.emplace_back(stems_.unique(stem, "file") + std::string(extension));
 }
 
 std::string SideFiles::add(std::string_view stem, std::string_view extension, std::string_view bytes) {
@@ -73,7 +80,7 @@ std::string SideFiles::add_picture(std::string_view stem, const Image& image) {
 std::string SideFiles::elsewhere(const fs::path& file) {
   const fs::path whole = resolved(file);
   referred_to_.insert(whole);
-  const fs::path relative = whole.lexically_relative(resolved(scene_file_).parent_path());
+  const fs::path relative = whole.lexically_relative(resolved(fs::absolute(scene_file_).parent_path()));
   return relative.empty() ? whole.string() : relative.string();
 }
 
@@ -82,14 +89,11 @@ void SideFiles::commit(const std::string& scene_text) {
     if (referred_to_.contains(resolved(folder_ / name)))
       throw Error(Failure::usage, fmt::format("{} would be overwritten, but the scene needs it; choose another name",
                                               (folder_ / name).string()));
-  std::error_code failure;
-  if (!names_.empty()) fs::create_directory(folder_, failure);
-  if (failure) fail(folder_, failure);
-  for (const std::string& name : names_) {
-    fs::rename(temporary_ / name, folder_ / name, failure);
-    if (failure) fail(folder_ / name, failure);
-  }
-  write_whole_file(scene_file_, std::as_bytes(std::span(scene_text)));
+  make_folder(temporary_);
+  write_whole_file(temporary_ / scene_file_.filename(), std::as_bytes(std::span(scene_text)));
+  if (!names_.empty()) make_folder(folder_);
+  for (const std::string& name : names_) move(temporary_ / name, folder_ / name);
+  move(temporary_ / scene_file_.filename(), scene_file_);
 }
 
 }  // namespace etendue::mitsuba

@@ -6,13 +6,13 @@
 #include <string_view>
 #include <vector>
 
+#include "formats/mitsuba/writer/elements.h"
 #include "image/image.h"
-#include "scene/scene.h"
 
 namespace etendue::mitsuba {
 
-/// The files that a scene NAME.xml needs beside it, in the folder NAME_files. They are written under a temporary name and
-/// stand there when the scene does; if it comes to nothing, nothing of them stays.
+/// The files that a scene NAME.xml needs beside it, in the folder NAME_files. They are written under a temporary name
+/// and stand there when the scene does; if it comes to nothing, nothing of them stays.
 class SideFiles {
  public:
   /// Throws Error(Failure::output) if NAME_files is something else than the folder of an older NAME.xml.
@@ -28,15 +28,16 @@ class SideFiles {
   /// How the scene names a file that lies elsewhere and stays there.
   std::string elsewhere(const std::filesystem::path& file);
 
-  /// Puts the files into their folder, and then the scene. Throws Error(Failure::output), Error(Failure::usage) if one of
-  /// them would take the place of a file that the scene refers to.
+  /// Puts the files into their folder, and then the scene. Throws Error(Failure::output), Error(Failure::usage) if one
+  /// of them would take the place of a file that the scene refers to.
   void commit(const std::string& scene_text);
 
  private:
   std::filesystem::path new_file(std::string_view stem, std::string_view extension);
 
   std::filesystem::path scene_file_, folder_, temporary_;
-  std::set<std::string> names_;
+  Ids stems_;
+  std::vector<std::string> names_;
   std::set<std::filesystem::path> referred_to_;
 };
 

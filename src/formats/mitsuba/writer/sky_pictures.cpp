@@ -14,8 +14,8 @@ Image upper_half_picture(const Spectrum& radiance) {
   return picture;
 }
 
-/// With 2n + 1 rows from pole to pole the odd ones lie where the n strips have their middles, the even ones between two of
-/// them or at a pole.
+/// With 2n + 1 rows from pole to pole the odd ones lie where the n strips have their middles, the even ones between two
+/// of them or at a pole.
 Image mirrored_map(const Image& map) {
   const int width = map.width(), height = map.height();
   Image picture(width, 2 * height + 1);

@@ -1,5 +1,7 @@
 #include "formats/mitsuba/writer/textures.h"
 
+#include <filesystem>
+
 #include "formats/volume_file.h"
 
 namespace etendue::mitsuba {
@@ -35,7 +37,15 @@ const char* word(scene::TextureWrap wrap) {
 
 }  // namespace
 
-void TextureWriter::add(pugi::xml_node parent, const std::string& name, const scene::ColorInput& input, Use use) {
+void TextureWriter::add(pugi::xml_node parent, const std::string& name, const scene::ColorInput& input) {
+  if (const auto* texture = std::get_if<scene::Id<scene::Texture>>(&input))
+    add(parent, name, *texture, Use::color);
+  else
+    add_reflectance(parent, name, std::get<Spectrum>(input));
+}
+
+void TextureWriter::add_emission(pugi::xml_node parent, const std::string& name, const scene::ColorInput& input,
+                                 Use use) {
   if (const auto* texture = std::get_if<scene::Id<scene::Texture>>(&input))
     add(parent, name, *texture, use);
   else
@@ -72,7 +82,13 @@ const std::string& TextureWriter::id(scene::Id<scene::Texture> id, Use use) {
   return place->second;
 }
 
-void TextureWriter::write(const scene::BitmapTexture& bitmap, const scene::Texture& texture, Use use, const std::string& id) {
+void TextureWriter::write(const scene::BitmapTexture& bitmap, const scene::Texture& texture, Use use,
+                          const std::string& id) {
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(bitmap.file, failure)) {
+    context_.written_instead("a picture is not there; grey is written", texture.where);
+    return write(scene::CheckerboardTexture{Spectrum(0.5f), Spectrum(0.5f)}, {}, use, id);
+  }
   pugi::xml_node node = add_object(elements_, "texture", "bitmap", id);
   add_text(node, "filename", context_.files.elsewhere(bitmap.file));
   if (bitmap.filter == scene::TextureFilter::nearest) add_text(node, "filter_type", "nearest");
@@ -81,15 +97,18 @@ void TextureWriter::write(const scene::BitmapTexture& bitmap, const scene::Textu
   add_uv_transform(node, upside_down(use == Use::slide ? after_turning_v(texture.to_uv) : texture.to_uv));
 }
 
-void TextureWriter::write(const scene::CheckerboardTexture& board, const scene::Texture& texture, Use use, const std::string& id) {
+void TextureWriter::write(const scene::CheckerboardTexture& board, const scene::Texture& texture, Use use,
+                          const std::string& id) {
   pugi::xml_node node = add_object(elements_, "texture", "checkerboard", id);
-  const bool swapped = use == Use::number;  // where it stands for a number, Mitsuba takes the colours the other way round
+  const bool swapped =
+      use == Use::number;  // where it stands for a number, Mitsuba takes the colours the other way round
   add(node, "color0", swapped ? board.color1 : board.color0);
   add(node, "color1", swapped ? board.color0 : board.color1);
   add_uv_transform(node, use == Use::slide ? after_turning_v(texture.to_uv) : texture.to_uv);
 }
 
-void TextureWriter::write(const scene::MeshAttributeTexture& attribute, const scene::Texture&, Use, const std::string& id) {
+void TextureWriter::write(const scene::MeshAttributeTexture& attribute, const scene::Texture&, Use,
+                          const std::string& id) {
   pugi::xml_node node = add_object(elements_, "texture", "mesh_attribute", id);
   add_text(node, "name", attribute.attribute);
   if (attribute.scale != 1) add_number(node, "scale", attribute.scale);
@@ -113,7 +132,8 @@ const std::string& TextureWriter::id(scene::Id<scene::Volume> id) {
 }
 
 void TextureWriter::write(const scene::GridVolume& grid, const scene::Volume& volume, pugi::xml_node node) {
-  add_text(node, "filename", context_.files.add(volume.name.empty() ? "volume" : volume.name, ".vol", volume_file_bytes(grid)));
+  add_text(node, "filename",
+           context_.files.add(volume.name.empty() ? "volume" : volume.name, ".vol", volume_file_bytes(grid)));
   if (grid.filter == scene::TextureFilter::nearest) add_text(node, "filter_type", "nearest");
   if (grid.wrap != scene::TextureWrap::clamp) add_text(node, "wrap_mode", word(grid.wrap));
 }

@@ -14,7 +14,9 @@ class TextureWriter {
 
   explicit TextureWriter(WriterContext& context) : context_(context) {}
 
-  void add(pugi::xml_node parent, const std::string& name, const scene::ColorInput& input, Use use = Use::color);
+  /// Of a surface.
+  void add(pugi::xml_node parent, const std::string& name, const scene::ColorInput& input);
+  void add_emission(pugi::xml_node parent, const std::string& name, const scene::ColorInput& input, Use use);
   void add(pugi::xml_node parent, const std::string& name, const scene::FloatInput& input);
   void add(pugi::xml_node parent, const std::string& name, const scene::VolumeInput& input);
   void add(pugi::xml_node parent, const std::string& name, scene::Id<scene::Texture> texture, Use use);
@@ -26,7 +28,8 @@ class TextureWriter {
   const std::string& id(scene::Id<scene::Volume> volume);
   void write(const scene::BitmapTexture& bitmap, const scene::Texture& texture, Use use, const std::string& id);
   void write(const scene::CheckerboardTexture& board, const scene::Texture& texture, Use use, const std::string& id);
-  void write(const scene::MeshAttributeTexture& attribute, const scene::Texture& texture, Use use, const std::string& id);
+  void write(const scene::MeshAttributeTexture& attribute, const scene::Texture& texture, Use use,
+             const std::string& id);
   void write(const scene::VolumeTexture& volume, const scene::Texture& texture, Use use, const std::string& id);
   void write(const scene::GridVolume& grid, const scene::Volume& volume, pugi::xml_node node);
   void write(const scene::VdbVolume& file, const scene::Volume& volume, pugi::xml_node node);

@@ -15,11 +15,12 @@ class SceneText {
   explicit SceneText(const scene::SceneDescription& scene) : scene_(scene) {}
 
   std::string run() const {
-    std::string text = fields(scene_.hints.max_depth, scene_.hints.samples_per_pixel, scene_.hints.null_counts_as_bounce,
-                              scene_.hints.hide_emitters) +
+    std::string text = fields(scene_.hints.max_depth, scene_.hints.samples_per_pixel,
+                              scene_.hints.null_counts_as_bounce, scene_.hints.hide_emitters) +
                        "\n";
     for (const scene::Camera& camera : scene_.cameras) text += "camera " + one(camera) + "\n";
-    for (const scene::Light& light : scene_.lights) text += fmt::format("light {} {}\n", any(light.source), one(light.to_world));
+    for (const scene::Light& light : scene_.lights)
+      text += fmt::format("light {} {}\n", any(light.source), one(light.to_world));
     for (const scene::Instance& instance : scene_.instances) text += "instance " + one(instance) + "\n";
     return text;
   }
@@ -47,7 +48,8 @@ class SceneText {
   std::string one(const Transform& t) const { return fields(t.x, t.y, t.z, t.origin); }
   std::string one(const std::filesystem::path& p) const { return std::filesystem::weakly_canonical(p).string(); }
   template <typename T>
-  requires std::is_enum_v<T> std::string one(T value) const { return fmt::format("{}", static_cast<int>(value)); }
+  requires std::is_enum_v<T> std::string one(T value)
+  const { return fmt::format("{}", static_cast<int>(value)); }
   template <typename T, std::size_t n>
   std::string one(const std::array<T, n>& all) const {
     std::string text = "[ ";
@@ -85,7 +87,9 @@ class SceneText {
   }
   std::string one(const scene::DiffuseMaterial& m) const { return fields(m.reflectance); }
   std::string one(const scene::MirrorMaterial& m) const { return fields(m.reflectance); }
-  std::string one(const scene::GlassMaterial& m) const { return fields(m.reflectance, m.transmittance, m.ior, m.fresnel); }
+  std::string one(const scene::GlassMaterial& m) const {
+    return fields(m.reflectance, m.transmittance, m.ior, m.fresnel);
+  }
   std::string one(const scene::RefractionMaterial& m) const { return fields(m.transmittance, m.ior); }
   std::string one(const scene::ConductorMaterial& m) const {
     return fields(m.eta, m.k, m.alpha_u, m.alpha_v, m.distribution, m.reflectance);
@@ -99,12 +103,14 @@ class SceneText {
     return fields(m.diffuse, m.specular, m.ior, m.nonlinear, m.alpha, m.distribution);
   }
   std::string one(const scene::PrincipledMaterial& m) const {
-    return fields(m.base_color, m.roughness, m.anisotropic, m.metallic, m.spec_trans, m.spec_tint, m.sheen, m.sheen_tint, m.flatness,
-                  m.clearcoat, m.clearcoat_gloss, m.eta, m.main_specular_rate, m.clearcoat_rate, m.diffuse_rate);
+    return fields(m.base_color, m.roughness, m.anisotropic, m.metallic, m.spec_trans, m.spec_tint, m.sheen,
+                  m.sheen_tint, m.flatness, m.clearcoat, m.clearcoat_gloss, m.eta, m.main_specular_rate,
+                  m.clearcoat_rate, m.diffuse_rate);
   }
   std::string one(const scene::PrincipledThinMaterial& m) const {
-    return fields(m.base_color, m.roughness, m.anisotropic, m.spec_trans, m.eta, m.spec_tint, m.sheen, m.sheen_tint, m.flatness,
-                  m.diff_trans, m.specular_reflection_rate, m.specular_transmission_rate, m.diffuse_rate, m.diffuse_transmission_rate);
+    return fields(m.base_color, m.roughness, m.anisotropic, m.spec_trans, m.eta, m.spec_tint, m.sheen, m.sheen_tint,
+                  m.flatness, m.diff_trans, m.specular_reflection_rate, m.specular_transmission_rate, m.diffuse_rate,
+                  m.diffuse_transmission_rate);
   }
   std::string one(const scene::NullMaterial&) const { return {}; }
   std::string one(const scene::BlendMaterial& m) const { return fields(m.first, m.second, m.weight); }
@@ -141,7 +147,8 @@ class SceneText {
   std::string one(scene::Id<scene::Group> id) const { return "group " + one(scene_.groups.at(id.index).instances); }
   std::string one(const scene::Instance& i) const {
     const bool is_group = std::holds_alternative<scene::Id<scene::Group>>(i.shape);
-    return fields(i.shape, i.to_world, i.flip_normals, i.interior, i.exterior, i.separates_media) + (is_group ? "" : one(i.material));
+    return fields(i.shape, i.to_world, i.flip_normals, i.interior, i.exterior, i.separates_media) +
+           (is_group ? "" : one(i.material));
   }
 
   std::string one(const scene::PointLight& l) const { return fields(l.intensity); }
@@ -153,13 +160,15 @@ class SceneText {
   std::string one(const scene::RectangleLight& l) const { return fields(l.radiance); }
   std::string one(const scene::HemisphereLight& l) const { return fields(l.radiance); }
   std::string one(const scene::ConstantLight& l) const { return fields(l.radiance); }
-  std::string one(const scene::EnvironmentLight& l) const { return fields(l.file, l.intensity, l.rotation_deg, l.mirrored); }
+  std::string one(const scene::EnvironmentLight& l) const {
+    return fields(l.file, l.intensity, l.rotation_deg, l.mirrored);
+  }
 
   std::string one(const scene::ReconstructionFilter& f) const { return fields(f.kind, f.radius, f.b, f.c); }
   std::string one(const scene::Film& f) const { return fields(f.width, f.height, f.crop, f.filter); }
   std::string one(const scene::Camera& c) const {
-    return fields(c.to_world, c.xfov_deg, c.aspect, c.near_clip, c.far_clip, c.projection, c.principal_point, c.mirrored,
-                  c.lens_radius, c.focal_distance, c.film, c.medium, c.measured_shape);
+    return fields(c.to_world, c.xfov_deg, c.aspect, c.near_clip, c.far_clip, c.projection, c.principal_point,
+                  c.mirrored, c.lens_radius, c.focal_distance, c.film, c.medium, c.measured_shape);
   }
 
   const scene::SceneDescription& scene_;
@@ -180,7 +189,8 @@ std::string first_difference(const std::string& a, const std::string& b) {
   while (true) {
     const bool has_x = static_cast<bool>(left >> x), has_y = static_cast<bool>(right >> y);
     if (!has_x && !has_y) return {};
-    if (has_x != has_y || !is_same(x, y)) return fmt::format("… {}: {} is not {}", before, has_x ? x : "nothing", has_y ? y : "nothing");
+    if (has_x != has_y || !is_same(x, y))
+      return fmt::format("… {}: {} is not {}", before, has_x ? x : "nothing", has_y ? y : "nothing");
     before = (before.size() > 60 ? before.substr(before.size() - 60) : before) + " " + x;
   }
 }
