@@ -21,7 +21,9 @@ struct NeedsFinder {
   void look(const ColorSource& s) { needs.texture_point |= std::holds_alternative<std::uint32_t>(s); }
   void look(const FloatSource& s) { needs.texture_point |= std::holds_alternative<std::uint32_t>(s); }
   template <typename... Sources>
-  void look_at(const Sources&... sources) { (look(sources), ...); }
+  void look_at(const Sources&... sources) {
+    (look(sources), ...);
+  }
   void widths(const FloatSource& u, const FloatSource& v) {
     look_at(u, v);
     needs.tangents |= u != v;
@@ -37,15 +39,18 @@ struct NeedsFinder {
   void operator()(const ConductorMaterial& m) { look(m.reflectance), widths(m.alpha_u, m.alpha_v); }
   void operator()(const SmoothConductorMaterial& m) { look(m.reflectance); }
   void operator()(const ThinGlassMaterial& m) { look_at(m.reflectance, m.transmittance); }
-  void operator()(const RoughGlassMaterial& m) { look_at(m.reflectance, m.transmittance), widths(m.alpha_u, m.alpha_v); }
+  void operator()(const RoughGlassMaterial& m) {
+    look_at(m.reflectance, m.transmittance), widths(m.alpha_u, m.alpha_v);
+  }
   void operator()(const PlasticMaterial& m) { look_at(m.diffuse, m.specular); }
   void operator()(const PrincipledMaterial& m) {
-    look_at(m.base_color, m.roughness, m.metallic, m.spec_trans, m.spec_tint, m.sheen, m.sheen_tint, m.flatness, m.clearcoat,
-            m.clearcoat_gloss);
+    look_at(m.base_color, m.roughness, m.metallic, m.spec_trans, m.spec_tint, m.sheen, m.sheen_tint, m.flatness,
+            m.clearcoat, m.clearcoat_gloss);
     anisotropy(m.anisotropic);
   }
   void operator()(const PrincipledThinMaterial& m) {
-    look_at(m.base_color, m.roughness, m.spec_trans, m.eta, m.spec_tint, m.sheen, m.sheen_tint, m.flatness, m.diff_trans);
+    look_at(m.base_color, m.roughness, m.spec_trans, m.eta, m.spec_tint, m.sheen, m.sheen_tint, m.flatness,
+            m.diff_trans);
     anisotropy(m.anisotropic);
   }
   void operator()(const NullMaterial&) { needs.passes = true; }
@@ -84,7 +89,8 @@ void resolve_needs(Materials& materials) {
         needs[i].texture_point |= needs[inner].texture_point;
         needs[i].tangents |= needs[inner].tangents;
         needs[i].passes |= needs[inner].passes;
-        changed |= before.texture_point != needs[i].texture_point || before.tangents != needs[i].tangents || before.passes != needs[i].passes;
+        changed |= before.texture_point != needs[i].texture_point || before.tangents != needs[i].tangents ||
+                   before.passes != needs[i].passes;
       }
   }
   for (std::size_t i = 0; i < materials.size(); ++i) {
@@ -97,44 +103,51 @@ void resolve_needs(Materials& materials) {
 /// Works from the outermost material inwards, tilting the frame and thinning the surface on the way to a BSDF.
 class MaterialEvaluator {
  public:
-  MaterialEvaluator(const Materials& materials, const Textures& textures, const MaterialPoint& point, const Vec3& wo)
-      : materials_(materials), textures_(textures), point_(point) {
+  MaterialEvaluator(const Materials& materials, const Textures& textures, const MaterialPoint& point, const Vec3& wo,
+                    Scattering& out)
+      : materials_(materials), textures_(textures), point_(point), out_(out) {
     out_.wo_ = wo;
     out_.geometric_normal_ = point.surface.geometric_normal;
   }
 
-  Scattering run(std::uint32_t index) {
+  void run(std::uint32_t index) {
     const Vec3 &ng = point_.surface.geometric_normal, &ns = point_.surface.shading_normal;
     // Where the interpolated normal turns away from a viewer who sees the front, only the true one makes sense.
     const bool consistent = dot(ns, out_.wo_) * dot(ng, out_.wo_) > 0;
     const Vec3& n = consistent ? ns : ng;
-    out_.frame_ = materials_[index].needs_tangents ? Frame::from_normal_and_tangent(n, point_.parametrization.dp_du) : Frame::from_normal(n);
+    out_.frame_ = materials_[index].needs_tangents ? Frame::from_normal_and_tangent(n, point_.parametrization.dp_du)
+                                                   : Frame::from_normal(n);
     enter(index);
     out_.wo_local_ = out_.frame_.to_local(out_.wo_);
-    return out_;
   }
 
  private:
   void enter(std::uint32_t index) {
     const Material& material = materials_[index];
     if (material.one_sided && dot(out_.wo_, out_.frame_.n) <= 0) return;
-    std::visit([&](const auto& surface) { enter_surface(surface); }, material.surface);
+    if (const auto* uniform = std::get_if<UniformMaterial>(&material.surface))
+      enter_surface(*uniform);
+    else
+      std::visit([&](const auto& surface) { enter_surface(surface); }, material.surface);
   }
 
-  void enter_surface(const UniformMaterial& m) { out_.bsdf_ = m.bsdf; }
-  void enter_surface(const DiffuseMaterial& m) { out_.bsdf_ = DiffuseBsdf{color(m.reflectance)}; }
+  void enter_surface(const UniformMaterial& m) { out_.shared_ = &m.bsdf; }
+  void enter_surface(const DiffuseMaterial& m) { out_.own_ = DiffuseBsdf{color(m.reflectance)}; }
   void enter_surface(const ConductorMaterial& m) {
-    out_.bsdf_ = ConductorBsdf{m.eta, m.k, color(m.reflectance), MicrofacetDistribution(m.kind, number(m.alpha_u), number(m.alpha_v))};
+    out_.own_ = ConductorBsdf{m.eta, m.k, color(m.reflectance),
+                              MicrofacetDistribution(m.kind, number(m.alpha_u), number(m.alpha_v))};
   }
-  void enter_surface(const SmoothConductorMaterial& m) { out_.bsdf_ = MirrorBsdf{color(m.reflectance), m.eta, m.k}; }
+  void enter_surface(const SmoothConductorMaterial& m) { out_.own_ = MirrorBsdf{color(m.reflectance), m.eta, m.k}; }
   void enter_surface(const ThinGlassMaterial& m) {
-    out_.bsdf_ = DielectricBsdf{color(m.reflectance), color(m.transmittance), m.ior, Boundary::thin};
+    out_.own_ = DielectricBsdf{color(m.reflectance), color(m.transmittance), m.ior, Boundary::thin};
   }
   void enter_surface(const RoughGlassMaterial& m) {
-    out_.bsdf_ = RoughDielectricBsdf{color(m.reflectance), color(m.transmittance), m.ior,
-                                     MicrofacetDistribution(m.kind, number(m.alpha_u), number(m.alpha_v))};
+    out_.own_ = RoughDielectricBsdf{color(m.reflectance), color(m.transmittance), m.ior,
+                                    MicrofacetDistribution(m.kind, number(m.alpha_u), number(m.alpha_v))};
   }
-  void enter_surface(const PlasticMaterial& m) { out_.bsdf_ = PlasticBsdf{color(m.diffuse), color(m.specular), m.boundary.get(), m.nonlinear}; }
+  void enter_surface(const PlasticMaterial& m) {
+    out_.own_ = PlasticBsdf{color(m.diffuse), color(m.specular), m.boundary.get(), m.nonlinear};
+  }
   void enter_surface(const PrincipledMaterial& m) {
     PrincipledParameters p = m.fixed;
     p.base_color = color(m.base_color);
@@ -148,7 +161,7 @@ class MaterialEvaluator {
     p.flatness = number(m.flatness);
     p.clearcoat = number(m.clearcoat);
     p.clearcoat_gloss = number(m.clearcoat_gloss);
-    out_.bsdf_ = PrincipledBsdf(p);
+    out_.own_ = PrincipledBsdf(p);
   }
   void enter_surface(const PrincipledThinMaterial& m) {
     PrincipledThinParameters p = m.fixed;
@@ -162,7 +175,7 @@ class MaterialEvaluator {
     p.sheen_tint = number(m.sheen_tint);
     p.flatness = number(m.flatness);
     p.diff_trans = number(m.diff_trans);
-    out_.bsdf_ = PrincipledThinBsdf(p);
+    out_.own_ = PrincipledThinBsdf(p);
   }
   void enter_surface(const NullMaterial&) { out_.opacity_ = 0; }
   void enter_surface(const MaskMaterial& m) {
@@ -182,12 +195,16 @@ class MaterialEvaluator {
     const Scattering first = out_;
     out_ = before;
     enter(m.second);
-    const std::optional<LeafBsdf> a = leaf(first.bsdf_), b = leaf(out_.bsdf_);
-    const bool alike = first.frame_.n == out_.frame_.n && first.opacity_ == out_.opacity_ && first.mapped_ == out_.mapped_;
-    if (a && b && alike)
-      out_.bsdf_ = BlendBsdf{*a, *b, weight};
-    else if (hashed_choice(point_.surface.position) >= weight)  // layers that have too little in common: one of the two
+    const std::optional<LeafBsdf> a = leaf(first.bsdf()), b = leaf(out_.bsdf());
+    const bool alike =
+        first.frame_.n == out_.frame_.n && first.opacity_ == out_.opacity_ && first.mapped_ == out_.mapped_;
+    if (a && b && alike) {
+      out_.own_ = BlendBsdf{*a, *b, weight};
+      out_.shared_ = nullptr;
+    } else if (hashed_choice(point_.surface.position) >=
+               weight) {  // layers that have too little in common: one of the two
       out_ = first;
+    }
   }
   /// The tangents follow the displaced surface p + n·h (Blinn 1978), whose normal is their cross product.
   void enter_surface(const BumpMaterial& m) {
@@ -205,8 +222,8 @@ class MaterialEvaluator {
     enter(m.inner);
   }
 
-  /// Replaces the frame by one about `normal` (any length, world). A normal that would show the viewer the other side is turned about the
-  /// old one until it does not.
+  /// Replaces the frame by one about `normal` (any length, world). A normal that would show the viewer the other side
+  /// is turned about the old one until it does not.
   void tilt(const Vec3& normal, const Vec3& tangent) {
     const float l = length(normal);
     if (!(l > 0) || !std::isfinite(l)) return;
@@ -237,23 +254,28 @@ class MaterialEvaluator {
   const Materials& materials_;
   const Textures& textures_;
   const MaterialPoint& point_;
-  Scattering out_;
+  Scattering& out_;  // a few hundred bytes, filled in where they are needed
 };
 
-Scattering scatter(const Materials& materials, std::uint32_t index, const Textures& textures, const MaterialPoint& point, const Vec3& wo) {
-  return MaterialEvaluator(materials, textures, point, wo).run(index);
+Scattering scatter(const Materials& materials, std::uint32_t index, const Textures& textures,
+                   const MaterialPoint& point, const Vec3& wo) {
+  Scattering out;
+  MaterialEvaluator(materials, textures, point, wo, out).run(index);
+  return out;
 }
 
-/// A direction that the shading frame takes for reflected must be so for the true surface, and for a mapped normal also for the one it tilted:
-/// else light would leak through opaque surfaces. Transparent ones let it through anyway; there nothing is gained by losing it.
+/// A direction that the shading frame takes for reflected must be so for the true surface, and for a mapped normal also
+/// for the one it tilted: else light would leak through opaque surfaces. Transparent ones let it through anyway; there
+/// nothing is gained by losing it.
 bool Scattering::is_consistent(const Vec3& wi, const Vec3& wi_local) const {
   const bool same_side = wi_local.z * wo_local_.z > 0;
   if (!transmits() && (dot(wi, geometric_normal_) * dot(wo_, geometric_normal_) > 0) != same_side) return false;
   return !mapped_ || dot(wi, unmapped_normal_) * wi_local.z > 0;
 }
 
-/// Share of the light that the bumps' own shadows leave (Estevez, Lecocq and Stellios 2019, "A Microfacet-Based Shadowing Function to Solve
-/// the Bump Terminator Problem", eq. 2 and 3), doubled: their G₁ is 1 for wi along the untilted normal.
+/// Share of the light that the bumps' own shadows leave (Estevez, Lecocq and Stellios 2019, "A Microfacet-Based
+/// Shadowing Function to Solve the Bump Terminator Problem", eq. 2 and 3), doubled: their G₁ is 1 for wi along the
+/// untilted normal.
 float Scattering::shadowing(const Vec3& wi) const {
   if (bump_alpha2_ == 0) return 1;
   const float cos2 = square(dot(wi, unmapped_normal_));
@@ -265,7 +287,7 @@ float Scattering::shadowing(const Vec3& wi) const {
 BsdfEval Scattering::eval(const Vec3& wi) const {
   const Vec3 wi_local = frame_.to_local(wi);
   if (!is_consistent(wi, wi_local)) return {};
-  BsdfEval eval = eval_bsdf(bsdf_, wo_local_, wi_local);
+  BsdfEval eval = eval_bsdf(bsdf(), wo_local_, wi_local);
   eval.f_cos *= opacity_ * shadowing(wi);
   eval.pdf *= opacity_;
   return eval;
@@ -276,7 +298,7 @@ std::optional<BsdfSample> Scattering::sample(Vec2 u, float choice) const {
     if (choice >= opacity_) return BsdfSample{-wo_, Spectrum(1), 0, Lobe::straight, 1};
     choice = std::min(choice / opacity_, kOneMinusEpsilon);
   }
-  std::optional<BsdfSample> sample = sample_bsdf(bsdf_, wo_local_, u, choice);
+  std::optional<BsdfSample> sample = sample_bsdf(bsdf(), wo_local_, u, choice);
   if (!sample) return std::nullopt;
   const Vec3 wi = normalize(frame_.to_world(sample->wi));  // or rounding would grow along chains of refractions
   if (!is_consistent(wi, sample->wi)) return std::nullopt;

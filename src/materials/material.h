@@ -114,9 +114,9 @@ class Scattering {
   /// Where light may come from; Lobe::straight for light that passes as if nothing were there.
   std::optional<BsdfSample> sample(Vec2 u, float choice) const;
 
-  bool is_delta() const { return opacity_ == 0 || etendue::is_delta(bsdf_); }
-  bool transmits() const { return etendue::transmits(bsdf_); }
-  Spectrum albedo() const { return etendue::albedo(bsdf_) * opacity_; }
+  bool is_delta() const { return opacity_ == 0 || etendue::is_delta(bsdf()); }
+  bool transmits() const { return etendue::transmits(bsdf()); }
+  Spectrum albedo() const { return etendue::albedo(bsdf()) * opacity_; }
   const Vec3& normal() const { return frame_.n; }
   /// Probability that the surface is there at all.
   float opacity() const { return opacity_; }
@@ -127,7 +127,10 @@ class Scattering {
   bool is_consistent(const Vec3& wi, const Vec3& wi_local) const;
   float shadowing(const Vec3& wi) const;
 
-  Bsdf bsdf_ = BlackBsdf{};
+  const Bsdf& bsdf() const { return shared_ != nullptr ? *shared_ : own_; }
+
+  const Bsdf* shared_ = nullptr;  ///< the material's, if it is the same everywhere
+  Bsdf own_ = BlackBsdf{};        ///< else that of this point
   Frame frame_;
   Vec3 geometric_normal_;
   Vec3 wo_, wo_local_;

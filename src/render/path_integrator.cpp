@@ -25,10 +25,12 @@ constexpr float kMaxSurvival = 0.99f;
 struct PathIntegrator::Path {
   Ray ray;
   Spectrum throughput{1};
-  float pdf_bsdf = 0;     ///< of the ray's direction; 0: only this ray finds what it meets (camera, delta lobe)
-  Point3 scattered_at;    ///< where that direction was chosen: the ray's origin, or before surfaces that it passed straight through
-  float eta_scale = 1;    ///< product of eta² along the path: what refraction did to the throughput is no reason to end it
-  int depth = 0;          ///< bounces so far
+  float pdf_bsdf = 0;   ///< of the ray's direction; 0: only this ray finds what it meets (camera, delta lobe)
+  Point3 scattered_at;  ///< where that direction was chosen: the ray's origin, or before surfaces that it passed
+                        ///< straight through
+  float eta_scale =
+      1;          ///< product of eta² along the path: what refraction did to the throughput is no reason to end it
+  int depth = 0;  ///< bounces so far
   bool from_camera = true;  ///< has not been scattered yet
 };
 
@@ -185,7 +187,7 @@ void PathIntegrator::Batch::arrive(int bounce) {
     const int i = active_[a];
     if (!hits_[i].found()) continue;
     Vertex& vertex = vertices_[i];
-    vertex = find_vertex(scene_, paths_[i].ray, hits_[i]);
+    ::new (&vertex) Vertex(find_vertex(scene_, paths_[i].ray, hits_[i]));  // made where it stays: it is large
     if (vertex.light != kNone) see_emission(i);
     if (bounce == 0) {
       self_.camera_rays_.describe(paths_[i].ray, hits_[i], vertex.surface, samples_[i]);
@@ -219,8 +221,7 @@ void PathIntegrator::Batch::aim(int i, const LightSample& sample, const LightPla
   const float pdf = sample.pdf * plan.density();
   const float weight = sample.is_delta ? 1.0f : mis_weight(pdf, eval.pdf);
   shadow_radiance_[shadow_count_] = paths_[i].throughput * eval.f_cos * sample.radiance * (weight / pdf);
-  shadow_rays_[shadow_count_] =
-      shadow_ray(offset_origin(vertex.surface, sample.wi), vertex.surface.position, sample);
+  shadow_rays_[shadow_count_] = shadow_ray(offset_origin(vertex.surface, sample.wi), vertex.surface.position, sample);
   shadow_path_[shadow_count_] = i;
   if (++shadow_count_ == kBatch) flush_shadow_rays();
 }
@@ -247,7 +248,8 @@ void PathIntegrator::Batch::flush_shadow_rays() {
     float share = 1;
     if ((blocked >> s & 1u) != 0) {
       if (!scene_.may_pass) continue;
-      const int left = self_.settings_.null_counts_as_bounce ? self_.settings_.max_depth - paths_[i].depth - 1 : kUnlimitedDepth;
+      const int left =
+          self_.settings_.null_counts_as_bounce ? self_.settings_.max_depth - paths_[i].depth - 1 : kUnlimitedDepth;
       share = transmittance(shadow_rays_[s], left);
     }
     samples_[i].radiance += shadow_radiance_[s] * share;
@@ -265,8 +267,8 @@ void PathIntegrator::Batch::sample_lights(int bounce) {
   flush_shadow_rays();
 }
 
-// Points on lights are chosen for several paths in one loop before anything else is asked about them: while one waits for the memory of
-// an environment map, so do the next.
+// Points on lights are chosen for several paths in one loop before anything else is asked about them: while one waits
+// for the memory of an environment map, so do the next.
 
 void PathIntegrator::Batch::sample_light_for_all(int bounce, std::uint32_t light) {
   const LightPlan plan = self_.plan(light);
@@ -347,7 +349,8 @@ void PathIntegrator::Batch::sample_hemisphere(int bounce) {
       const BsdfEval eval = vertex.scattering.eval(wi);
       if (eval.f_cos.is_black()) continue;
       const Spectrum radiance = emission_along({offset_origin(vertex.surface, wi), wi});
-      samples_[i].radiance += paths_[i].throughput * eval.f_cos * radiance * (1 / (hemisphere_uniform_pdf(local) * static_cast<float>(n)));
+      samples_[i].radiance +=
+          paths_[i].throughput * eval.f_cos * radiance * (1 / (hemisphere_uniform_pdf(local) * static_cast<float>(n)));
     }
   }
 }
@@ -396,7 +399,9 @@ PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& cam
   if (settings.integrator == IntegratorKind::direct) settings_.max_depth = std::min(settings.max_depth, 1);
 }
 
-LightPlan PathIntegrator::plan(std::uint32_t light) const { return plan_light(scene_, settings_.light_samples, light); }
+LightPlan PathIntegrator::plan(std::uint32_t light) const {
+  return plan_light(scene_, settings_.light_samples, light);
+}
 
 std::uint64_t PathIntegrator::estimate(int x, int y, std::uint32_t first, std::span<PixelSample> samples) const {
   return Batch(*this, x, y, first, samples).run();
@@ -412,7 +417,8 @@ std::unique_ptr<Integrator> make_integrator(const RenderScene::Data& scene, cons
       return std::make_unique<PathIntegrator>(scene, camera, settings);
     case IntegratorKind::normals:
     case IntegratorKind::albedo:
-    case IntegratorKind::ao: break;
+    case IntegratorKind::ao:
+      break;
   }
   return std::make_unique<DebugIntegrator>(scene, camera, settings);
 }

@@ -23,10 +23,8 @@ Vertex find_vertex(const RenderScene::Data& scene, const Ray& ray, const RayHit&
   const RenderScene::Data::ShapeInfo& shape = scene.shapes[hit.shape];
   const Material& material = scene.materials[shape.material];
   const MaterialPoint point = material_point(scene, material, ray, hit);
-  Vertex vertex;
-  vertex.surface = point.surface;
-  vertex.wo = -ray.direction;
-  vertex.scattering = scatter(scene.materials, shape.material, scene.textures, point, vertex.wo);
+  Vertex vertex{point.surface, -ray.direction,
+                scatter(scene.materials, shape.material, scene.textures, point, -ray.direction)};
   if (shape.light != kNone && dot(vertex.wo, point.surface.geometric_normal) > 0) {
     vertex.emission = evaluate_color(material.emission, scene.textures, point.texture);
     vertex.light = shape.light;

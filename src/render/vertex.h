@@ -9,9 +9,9 @@ struct Vertex {
   SurfaceHit surface;
   Vec3 wo;  ///< unit, world: where the ray came from
   Scattering scattering;
-  Spectrum emission;            ///< towards wo; black from behind
+  Spectrum emission = {};       ///< towards wo; black from behind
   std::uint32_t light = kNone;  ///< which the surface is, if it emits towards wo
-  LightHit light_hit;           ///< where on the light
+  LightHit light_hit = {};      ///< where on the light
 };
 
 /// What `ray` finds at `hit`.

@@ -76,9 +76,9 @@ SampledPicture under(const std::function<void(SceneKit&)>& add_light, int light_
   SceneKit kit;
   kit.quad({-4, -1, 4}, {8, 0, 0}, {0, 0, -8}, kit.diffuse(Spectrum(0.5f, 0.4f, 0.3f)));
   kit.sphere({-1.1f, 0, 0}, 1, kit.diffuse(Spectrum(0.7f)));
-  kit.sphere(
-      {1.1f, 0, 0}, 1,
-      kit.material(scene::ConductorMaterial{Spectrum(0.2f), Spectrum(3), 0.15f, 0.15f, scene::Microfacets::ggx, Spectrum(1)}));
+  kit.sphere({1.1f, 0, 0}, 1,
+             kit.material(scene::ConductorMaterial{Spectrum(0.2f), Spectrum(3), 0.15f, 0.15f, scene::Microfacets::ggx,
+                                                   Spectrum(1)}));
   add_light(kit);
   RenderSettings settings = square_settings(kSize, 128, 3);
   settings.light_samples = light_samples;

@@ -35,8 +35,8 @@ SceneKit still_life() {
   kit.quad({-4, -1, 4}, {8, 0, 0}, {0, 0, -8}, kit.diffuse(Spectrum(0.5f, 0.4f, 0.3f)));
   kit.sphere({-1.1f, 0, 0}, 1, kit.diffuse(Spectrum(0.7f)));
   kit.sphere({1.1f, 0, 0}, 1,
-             kit.material(scene::ConductorMaterial{Spectrum(0.2f, 0.92f, 1.1f), Spectrum(3.9f, 2.45f, 2.14f), 0.3f, 0.3f,
-                                                   scene::Microfacets::beckmann, Spectrum(1)}));
+             kit.material(scene::ConductorMaterial{Spectrum(0.2f, 0.92f, 1.1f), Spectrum(3.9f, 2.45f, 2.14f), 0.3f,
+                                                   0.3f, scene::Microfacets::beckmann, Spectrum(1)}));
   return kit;
 }
 

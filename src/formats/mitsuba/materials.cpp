@@ -15,14 +15,14 @@ constexpr float kMost = 3e38f;
 /// What only one side shows: Mitsuba's opaque surfaces are black from behind.
 scene::Material front_only(scene::Surface surface) {
   scene::Material material;
-  material.surface = std::move(surface);
+  material.surface = surface;
   material.one_sided = true;
   return material;
 }
 
 scene::Material both_sides(scene::Surface surface) {
   scene::Material material;
-  material.surface = std::move(surface);
+  material.surface = surface;
   return material;
 }
 

@@ -79,7 +79,8 @@ std::optional<scene::Medium> MediumLibrary::read(const Document& document, const
   if (has_parts) {
     read_scattering_and_absorption(properties, volumes_, medium);
   } else {
-    medium.sigma_t = volumes_.input(properties, "sigma_t", 1);
+    medium.sigma_t = element.type() == "heterogeneous" ? volumes_.extinction(properties, "sigma_t", 1)
+                                                       : volumes_.input(properties, "sigma_t", 1);
     medium.albedo = volumes_.input(properties, "albedo", 0.75f);
   }
   medium.scale = properties.number("scale", 1, 0, 3e38f);

@@ -37,6 +37,21 @@ scene::VolumeInput VolumeLibrary::input(Properties& properties, std::string_view
                        has_wavelengths ? SpectrumRole::reflectance : SpectrumRole::unbounded, properties.report());
 }
 
+scene::VolumeInput VolumeLibrary::extinction(Properties& properties, std::string_view name, float missing) {
+  const scene::VolumeInput value = input(properties, name, missing);
+  const auto* constant = std::get_if<Spectrum>(&value);
+  if (constant == nullptr) return value;
+  scene::GridVolume grid;
+  grid.channels = 3;
+  grid.values = {constant->r, constant->g, constant->b};
+  scene::Volume volume;
+  volume.source = std::move(grid);
+  if (const Element* element = properties.find(name); element != nullptr && element->tag == "volume")
+    volume.to_world = Properties(properties.document(), *element, properties.report()).transform("to_world");
+  scene_.volumes.push_back(std::move(volume));
+  return scene::Id<scene::Volume>{static_cast<std::uint32_t>(scene_.volumes.size() - 1)};
+}
+
 scene::VolumeInput VolumeLibrary::volume(const Document& document, const Element& element, Report& report) {
   if (const auto known = known_.find(&element); known != known_.end()) return known->second;
   return known_.emplace(&element, read(document, element, report)).first->second;

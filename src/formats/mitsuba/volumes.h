@@ -14,6 +14,9 @@ class VolumeLibrary {
 
   /// A property that is a colour, a number or a <volume>.
   scene::VolumeInput input(Properties& properties, std::string_view name, float missing);
+  /// The same for the extinction of a heterogeneous medium, which ends where its volume does: a constant becomes a
+  /// volume of one cell that fills the unit cube under the volume's to_world.
+  scene::VolumeInput extinction(Properties& properties, std::string_view name, float missing);
   /// A <volume>. Throws Problem.
   scene::VolumeInput volume(const Document& document, const Element& element, Report& report);
 

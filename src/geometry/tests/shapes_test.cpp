@@ -672,7 +672,8 @@ TEST(Parametrization, OfMirroredSpheresRunsTheOtherWay) {
     const Vec3 outward = random.direction();
     const Ray inwards{outward * 3, -outward};
     const RayHit hit = a.intersect(inwards);
-    const Parametrization p = a.parametrization(hit, a.surface(inwards, hit)), q = b.parametrization(hit, b.surface(inwards, hit));
+    const Parametrization p = a.parametrization(hit, a.surface(inwards, hit)),
+                          q = b.parametrization(hit, b.surface(inwards, hit));
     EXPECT_NEAR(p.uv.x + q.uv.x, 1, 1e-5f);
     EXPECT_NEAR(p.uv.y, q.uv.y, 1e-6f);
     EXPECT_LT(distance(p.dp_du, -q.dp_du) + distance(p.dp_dv, q.dp_dv), 1e-4f);

@@ -382,6 +382,19 @@ TEST(Media, ParametersAndBoundaries) {
   EXPECT_FALSE(scene.instances[1].separates_media);
 }
 
+TEST(Media, HeterogeneousOnesEndWhereTheirExtinctionDoes) {
+  const Reading reading = read(
+      "<medium type=\"heterogeneous\" id=\"m\"><volume name=\"sigma_t\" type=\"constvolume\"><rgb name=\"value\" "
+      "value=\"1 2 3\"/><transform name=\"to_world\"><scale value=\"2\"/></transform></volume></medium>"
+      "<shape type=\"sphere\"><ref name=\"interior\" id=\"m\"/><bsdf type=\"null\"/></shape>");
+  const auto& scene = good(reading);
+  ASSERT_EQ(scene.media.size(), 1u);
+  const auto id = std::get<scene::Id<scene::Volume>>(scene.media[0].sigma_t);
+  EXPECT_EQ(scene.volumes[id.index].to_world.x, Vec3(2, 0, 0));
+  const auto& grid = std::get<scene::GridVolume>(scene.volumes[id.index].source);
+  EXPECT_EQ(grid.values, (std::vector<float>{1, 2, 3}));
+}
+
 TEST(Shapes, CurveFilesThatAreWrong) {
   const test::Folder folder;
   folder.add("short.txt", "0 0 0 1\n1 0 0 1\n\n");
