@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "lights/area_sampler.h"
 #include "lights/light.h"
 #include "sampling/warp.h"
 
@@ -37,24 +38,6 @@ struct Part {
     return Vec2(static_cast<float>(i) + in_cell.x, static_cast<float>(j) + in_cell.y) * (1 / static_cast<float>(n));
   }
 };
-
-/// A point of a mesh by its triangle and barycentric weights.
-struct MeshPoint {
-  RayHit hit;
-  SurfaceHit surface;
-};
-
-MeshPoint mesh_point(const Glow& glow, std::uint32_t triangle, Vec2 b) {
-  const TriangleMesh& mesh = glow.geometry->mesh(glow.shape);
-  const auto& [i0, i1, i2] = mesh.triangles[triangle];
-  const Point3 &p0 = mesh.positions[i0], &p1 = mesh.positions[i1], &p2 = mesh.positions[i2];
-  MeshPoint out;
-  out.hit = {0, b.x, b.y, glow.shape, triangle, kNone};
-  out.surface.position = p0 * (1 - b.x - b.y) + p1 * b.x + p2 * b.y;
-  out.surface.geometric_normal = out.surface.shading_normal = normalize(cross(p1 - p0, p2 - p0));
-  out.surface.error = kRelativeError * std::max({max_abs_component(p0), max_abs_component(p1), max_abs_component(p2)});
-  return out;
-}
 
 /// The way from `from` to a point of a surface that was chosen with this density by area.
 std::optional<LightSample> seen_from(const Point3& from, const SurfaceHit& surface, float pdf_area) {
@@ -97,7 +80,7 @@ TexturedMeshLight::TexturedMeshLight(const Glow& glow_in) : glow(glow_in) {
       const Part part = Part::at(p, divisions);
       double luminance = 0;
       for (const Vec2& inner : {Vec2(1 / 6.0f, 1 / 6.0f), Vec2(2 / 3.0f, 1 / 6.0f), Vec2(1 / 6.0f, 2 / 3.0f)}) {
-        const MeshPoint point = mesh_point(glow, t, part.whole(inner, divisions));
+        const AreaPoint point = mesh_point(*glow.geometry, glow.shape, t, part.whole(inner, divisions));
         luminance += glow.at(point.hit, point.surface).luminance() / 3;
       }
       weights.push_back(luminance * areas.back() / parts);
@@ -116,7 +99,8 @@ std::optional<LightSample> TexturedMeshLight::sample(const Point3& from, Vec2 u,
   const DiscreteDistribution::Sample chosen = by_flux.sample(choice);
   const auto triangle = static_cast<std::uint32_t>(chosen.index / parts);
   const Part part = Part::at(static_cast<int>(chosen.index % parts), divisions);
-  const MeshPoint point = mesh_point(glow, triangle, part.whole(sample_triangle_uniform(u), divisions));
+  const AreaPoint point =
+      mesh_point(*glow.geometry, glow.shape, triangle, part.whole(sample_triangle_uniform(u), divisions));
   std::optional<LightSample> sample =
       seen_from(from, point.surface, chosen.probability * static_cast<float>(parts) / areas[triangle]);
   if (sample) sample->radiance = glow.at(point.hit, point.surface);
@@ -134,64 +118,13 @@ float TexturedMeshLight::power(const Bounds3&) const {
   return kPi * flux;
 }
 
-namespace {
-
-/// A point of a disk, cylinder or sphere.
-struct CurvedPoint {
-  RayHit hit;
-  SurfaceHit surface;
-  float pdf_area = 0;
-};
-
-CurvedPoint at_parameters(const Glow& glow, const ShapePoint& p, float a, float b, float pdf_parameters) {
-  CurvedPoint out;
-  out.hit = {0, a, b, glow.shape, 0, kNone};
-  out.surface = {p.position, p.normal, p.normal, 0};
-  out.pdf_area = pdf_parameters / length(cross(p.dp_da, p.dp_db));
-  return out;
-}
-
-CurvedPoint sample_curved(const Glow& glow, Vec2 u) {
-  const Geometry& geometry = *glow.geometry;
-  CurvedPoint out;
-  float extent = 0;
-  switch (geometry.kind(glow.shape)) {
-    case Geometry::Kind::disk: {
-      const DiskShape& disk = geometry.disk(glow.shape);
-      const Vec2 p = sample_disk_concentric(u);
-      out = at_parameters(glow, point_at(disk, p.x, p.y), p.x, p.y, disk_pdf());
-      extent = max_abs_component(disk.to_world.origin);
-      break;
-    }
-    case Geometry::Kind::cylinder: {
-      const CylinderShape& cylinder = geometry.cylinder(glow.shape);
-      out = at_parameters(glow, point_at(cylinder, u.x, u.y), u.x, u.y, 1);
-      extent = max_abs_component(cylinder.to_world.origin);
-      break;
-    }
-    default: {
-      const SphereShape& sphere = geometry.sphere(glow.shape);
-      const Vec3 w = sample_sphere_uniform(u);
-      const Vec3 n = sphere.flip_normals ? -w : w;
-      out.hit = {0, 0, 0, glow.shape, 0, kNone};
-      out.surface = {sphere.center + w * sphere.radius, n, n, 0};
-      out.pdf_area = sphere_uniform_pdf() / square(sphere.radius);
-      extent = max_abs_component(sphere.center) + sphere.radius;
-    }
-  }
-  out.surface.error = kRelativeError * std::max(extent, max_abs_component(out.surface.position));
-  return out;
-}
-
-}  // namespace
-
 CurvedLight::CurvedLight(const Glow& glow_in) : glow(glow_in) {
   constexpr int kGrid = 16;
   double sum = 0, area_sum = 0;
   for (int i = 0; i < kGrid; ++i)
     for (int j = 0; j < kGrid; ++j) {
-      const CurvedPoint p =
-          sample_curved(glow, {(static_cast<float>(i) + 0.5f) / kGrid, (static_cast<float>(j) + 0.5f) / kGrid});
+      const AreaPoint p = sample_curved(
+          *glow.geometry, glow.shape, {(static_cast<float>(i) + 0.5f) / kGrid, (static_cast<float>(j) + 0.5f) / kGrid});
       area_sum += 1 / p.pdf_area;
       sum += glow.at(p.hit, p.surface).luminance() / p.pdf_area;
     }
@@ -200,7 +133,7 @@ CurvedLight::CurvedLight(const Glow& glow_in) : glow(glow_in) {
 }
 
 std::optional<LightSample> CurvedLight::sample(const Point3& from, Vec2 u, float) const {
-  const CurvedPoint point = sample_curved(glow, u);
+  const AreaPoint point = sample_curved(*glow.geometry, glow.shape, u);
   std::optional<LightSample> sample = seen_from(from, point.surface, point.pdf_area);
   if (sample) sample->radiance = glow.at(point.hit, point.surface);
   return sample;

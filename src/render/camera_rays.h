@@ -14,7 +14,8 @@ namespace etendue {
 /// Where paths begin.
 class CameraRays {
  public:
-  CameraRays(const Camera& camera, const RenderSettings& settings);
+  /// The scene has to outlive it.
+  CameraRays(const RenderScene::Data& scene, const Camera& camera, const RenderSettings& settings);
 
   /// Rays of samples first, first + 1, … of pixel (x, y); the samples are cleared and given their weights.
   void generate(const PixelSampler& sampler, int x, int y, std::uint32_t first, std::span<Ray> rays,
@@ -23,6 +24,7 @@ class CameraRays {
   void describe(const Ray& ray, const RayHit& hit, const SurfaceHit& surface, PixelSample& sample) const;
 
  private:
+  const RenderScene::Data& scene_;
   Camera camera_;
   PixelFilter filter_;
   int width_, height_;

@@ -12,6 +12,23 @@
 
 namespace etendue {
 
+namespace {
+
+/// The shape that the camera measures the irradiance of, if it does.
+std::optional<std::uint32_t> measured_shape(const scene::SceneDescription& scene, const RenderScene::Data& data) {
+  if (scene.cameras.empty() || scene.cameras.front().projection != scene::Projection::irradiance) return std::nullopt;
+  const scene::Camera& camera = scene.cameras.front();
+  const std::uint32_t shape = camera.measured_shape ? data.first_shape_of_instance[*camera.measured_shape] : kNone;
+  if (shape == kNone || data.geometry.kind(shape) == Geometry::Kind::curves)
+    throw Error(Failure::input,
+                fmt::format("{}: the irradiance meter has no surface with an area to measure; put it into a mesh, "
+                            "sphere, disk or cylinder",
+                            scene.file.string()));
+  return shape;
+}
+
+}  // namespace
+
 RenderScene compile(const scene::SceneDescription& scene, const CompileOptions& options, Diagnostics& diagnostics) {
   const auto start = std::chrono::steady_clock::now();
   auto data = std::make_shared<RenderScene::Data>();
@@ -25,6 +42,8 @@ RenderScene compile(const scene::SceneDescription& scene, const CompileOptions& 
     throw Error(Failure::input,
                 fmt::format("{}: nothing to render: the scene has no geometry. Does it place any in the world?",
                             scene.file.string()));
+  if (const std::optional<std::uint32_t> shape = measured_shape(scene, *data))
+    data->measured.emplace(data->geometry, *shape);
   data->may_pass =
       std::ranges::any_of(data->shapes, [&](const auto& shape) { return data->materials[shape.material].may_pass; });
   data->geometry.build();

@@ -8,7 +8,7 @@ namespace etendue {
 class DebugIntegrator : public Integrator {
  public:
   DebugIntegrator(const RenderScene::Data& scene, const Camera& camera, const RenderSettings& settings)
-      : scene_(scene), settings_(settings), camera_rays_(camera, settings) {}
+      : scene_(scene), settings_(settings), camera_rays_(scene, camera, settings) {}
   std::uint64_t estimate(int x, int y, std::uint32_t first, std::span<PixelSample> samples) const override;
 
  private:

@@ -9,6 +9,7 @@ inline constexpr std::uint64_t kFilm = 0, kLens = 1;
 inline constexpr std::uint64_t kBounceStride = std::uint64_t{1} << 33;  // room for two of each of 2³² lights
 inline constexpr std::uint64_t kDirection = 2, kLobeAndRoulette = 3, kLightChoice = 4, kFreeFlight = 5, kLights = 6;
 inline constexpr std::uint64_t kTracking = kBounceStride - 1;  // seeds the loops through heterogeneous media
+inline constexpr std::uint64_t kPart = kBounceStride - 1;      // of a surface whose irradiance is measured
 inline constexpr std::uint64_t at(int bounce, std::uint64_t slot) {
   return static_cast<std::uint64_t>(bounce) * kBounceStride + slot;
 }
@@ -19,6 +20,6 @@ inline constexpr std::uint64_t position(std::uint64_t light) {
 inline constexpr std::uint64_t part(std::uint64_t light) {
   return kLights + 2 * light + 1;
 }
-static_assert(at(0, part(0xffff'fff0u)) < at(1, kDirection), "the lights of one bounce reach into the next");
+static_assert(at(0, part(0xffff'fff0u)) < kPart, "the lights of one bounce reach into the next");
 
 }  // namespace etendue::dimension

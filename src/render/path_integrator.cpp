@@ -393,7 +393,7 @@ void PathIntegrator::Batch::scatter(int bounce) {
 PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& camera, const RenderSettings& settings)
     : scene_(scene),
       settings_(settings),
-      camera_rays_(camera, settings),
+      camera_rays_(scene, camera, settings),
       every_light_(settings.light_samples > 0),
       hemisphere_(settings.integrator == IntegratorKind::hemisphere) {
   if (settings.integrator == IntegratorKind::direct) settings_.max_depth = std::min(settings.max_depth, 1);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "geometry/geometry.h"
+#include "lights/area_sampler.h"
 #include "lights/light.h"
 #include "materials/material.h"
 #include "media/medium.h"
@@ -35,6 +36,7 @@ struct RenderScene::Data {
   std::vector<std::uint32_t> infinite_lights;  ///< indices of the lights that rays into the void see
   bool may_pass = false;                       ///< some surface lets light through as if it were not there
   DiscreteDistribution light_choice;           ///< by power; empty without lights
+  std::optional<AreaSampler> measured;         ///< the surface whose irradiance the camera measures
   double build_seconds = 0;
 };
 

@@ -273,7 +273,7 @@ Transmittance VolumePathIntegrator::Walk::passage(Ray ray, std::uint32_t medium,
 
 VolumePathIntegrator::VolumePathIntegrator(const RenderScene::Data& scene, const Camera& camera,
                                            const RenderSettings& settings)
-    : scene_(scene), settings_(settings), camera_rays_(camera, settings) {
+    : scene_(scene), settings_(settings), camera_rays_(scene, camera, settings) {
   if (settings.integrator == IntegratorKind::direct) settings_.max_depth = std::min(settings.max_depth, 1);
 }
 
