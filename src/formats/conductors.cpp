@@ -209,7 +209,8 @@ constexpr Measured kMeasured[] = {
     {"TiN", kTiN}, {"TiO2", kTiO2}, {"V", kV},     {"VC", kVC},     {"VN", kVN},     {"W", kW},
 };
 
-// Palik's data of these are in the open as colours only: linear Rec. 709 through the same integral.
+// Palik's data of these are in the open as colours only, as the renderer Tungsten publishes them: linear Rec. 709
+// through the same integral.
 constexpr Converted kConverted[] = {
     {"Cu2O", {Spectrum(3.5493f, 2.9521f, 2.7369f), Spectrum(0.1132f, 0.1947f, 0.6002f)}},
     {"CuO", {Spectrum(3.2454f, 2.4496f, 2.1974f), Spectrum(0.5203f, 0.5707f, 0.7172f)}},
