@@ -77,7 +77,7 @@ const std::string& TextureWriter::id(scene::Id<scene::Texture> id, Use use) {
   const auto [place, is_new] = textures_.try_emplace({id.index, use});
   if (is_new) {
     place->second = context_.ids.unique(texture.name, "texture");
-    std::visit([&](const auto& source) { write(source, texture, use, place->second); }, texture.source);
+    std::visit([&, &name = place->second](const auto& source) { write(source, texture, use, name); }, texture.source);
   }
   return place->second;
 }
