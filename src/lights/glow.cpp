@@ -120,16 +120,14 @@ float TexturedMeshLight::power(const Bounds3&) const {
 
 CurvedLight::CurvedLight(const Glow& glow_in) : glow(glow_in) {
   constexpr int kGrid = 16;
-  double sum = 0, area_sum = 0;
+  double sum = 0;
   for (int i = 0; i < kGrid; ++i)
     for (int j = 0; j < kGrid; ++j) {
       const AreaPoint p = sample_curved(
           *glow.geometry, glow.shape, {(static_cast<float>(i) + 0.5f) / kGrid, (static_cast<float>(j) + 0.5f) / kGrid});
-      area_sum += 1 / p.pdf_area;
       sum += glow.at(p.hit, p.surface).luminance() / p.pdf_area;
     }
-  area = static_cast<float>(area_sum / (kGrid * kGrid));
-  mean_luminance = static_cast<float>(sum / area_sum);
+  flux = static_cast<float>(sum / (kGrid * kGrid));
 }
 
 std::optional<LightSample> CurvedLight::sample(const Point3& from, Vec2 u, float) const {
@@ -160,7 +158,7 @@ float CurvedLight::pdf_hit(const Point3& from, const LightHit& hit) const {
 }
 
 float CurvedLight::power(const Bounds3&) const {
-  return kPi * area * mean_luminance;
+  return kPi * flux;
 }
 
 }  // namespace etendue

@@ -188,8 +188,7 @@ struct TexturedMeshLight {
 struct CurvedLight {
   static constexpr bool kDelta = false;
   Glow glow;
-  float area = 0;
-  float mean_luminance = 0;
+  float flux = 0;  ///< luminance
 
   explicit CurvedLight(const Glow& glow);
   std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;

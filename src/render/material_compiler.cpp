@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <map>
+#include <tuple>
 
 #include "base/error.h"
 
@@ -101,7 +103,7 @@ class MaterialCompiler {
   MaterialCompiler(const scene::SceneDescription& scene, const CompileOptions& options)
       : scene_(scene), options_(options) {}
 
-  Material compile(const scene::Material& material) const {
+  Material compile(const scene::Material& material) {
     Material out = std::visit([&](const auto& surface) { return compile(surface); }, material.surface);
     out.emission = compile_input(material.emission);
     out.one_sided = material.one_sided;
@@ -144,11 +146,8 @@ class MaterialCompiler {
     return {ConductorMaterial{m.eta, m.k, reflectance, kind_of(m.distribution), compile_input(m.alpha_u),
                               compile_input(m.alpha_v)}};
   }
-  Material compile(const scene::PlasticMaterial& m) const {
-    const auto boundary = m.alpha > 0 ? std::make_shared<const PlasticBoundary>(
-                                            m.ior, MicrofacetDistribution(kind_of(m.distribution), m.alpha))
-                                      : std::make_shared<const PlasticBoundary>(m.ior);
-    return {PlasticMaterial{compile_input(m.diffuse), compile_input(m.specular), boundary, m.nonlinear}};
+  Material compile(const scene::PlasticMaterial& m) {
+    return {PlasticMaterial{compile_input(m.diffuse), compile_input(m.specular), boundary(m), m.nonlinear}};
   }
   Material compile(const scene::PrincipledMaterial& m) const {
     PrincipledParameters fixed;
@@ -188,6 +187,18 @@ class MaterialCompiler {
     return {NormalMapMaterial{m.inner.index, m.normals.index}};
   }
 
+  /// Rough ones are tabulated, which takes many milliseconds: materials that have the same share it.
+  std::shared_ptr<const PlasticBoundary> boundary(const scene::PlasticMaterial& m) {
+    std::shared_ptr<const PlasticBoundary>& shared = boundaries_[{m.ior, m.alpha, m.distribution}];
+    if (shared) return shared;
+    if (m.alpha > 0)
+      shared = std::make_shared<const PlasticBoundary>(m.ior, MicrofacetDistribution(kind_of(m.distribution), m.alpha));
+    else
+      shared = std::make_shared<const PlasticBoundary>(m.ior);
+    return shared;
+  }
+
+  std::map<std::tuple<float, float, scene::Microfacets>, std::shared_ptr<const PlasticBoundary>> boundaries_;
   const scene::SceneDescription& scene_;
   const CompileOptions& options_;
 };
@@ -241,7 +252,7 @@ Textures compile_textures(const scene::SceneDescription& scene, Geometry& geomet
 
 Materials compile_materials(const scene::SceneDescription& scene, const CompileOptions& options,
                             Diagnostics& diagnostics) {
-  const MaterialCompiler compiler(scene, options);
+  MaterialCompiler compiler(scene, options);
   Materials materials;
   for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
     const scene::Material& material = scene.materials[i];

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
+#include "base/tests/output_failure.h"
 #include "base/tests/temporary_folder.h"
 
 namespace etendue {
@@ -17,18 +18,6 @@ using testing::IsEmpty;
 
 std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text));
-}
-
-/// The message of the output error that `action` throws; empty if it throws none.
-template <typename Action>
-std::string output_failure(const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.failure(), Failure::output) << error.what();
-    return error.what();
-  }
-  return {};
 }
 
 /// Acts as a user without special rights while it lives, where the tests run as root.

@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 
 #include "base/error.h"
+#include "base/tests/output_failure.h"
 #include "base/tests/temporary_folder.h"
 #include "image/io.h"
 
@@ -13,18 +14,6 @@ namespace etendue {
 namespace {
 
 using testing::HasSubstr;
-
-/// The message of the output error that `action` throws; empty if it throws none.
-template <typename Action>
-std::string output_failure(const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.failure(), Failure::output) << error.what();
-    return error.what();
-  }
-  return {};
-}
 
 Picture noise_picture(int size) {
   Picture picture{Image(size, size), {}, {}};
