@@ -1,6 +1,7 @@
 #!/bin/bash
 # Installs what building Etendue needs, on Debian and Ubuntu. Only what is missing: where nothing is, nothing is touched.
-# usage: install-dependencies.sh [--fuzz] [--lint]      --fuzz: for `make fuzz` too; --lint: for `make format` and `make tidy` too
+# usage: install-dependencies.sh [--fuzz] [--lint] [--peers]
+#   --fuzz: for `make fuzz` too; --lint: for `make format` and `make tidy` too; --peers: for `make bench-peers` too
 set -euo pipefail
 
 packages=(
@@ -9,6 +10,7 @@ packages=(
   libopenimageio-dev openimageio-tools # OpenImageIO's CMake files insist on its command line tools
   fonts-dejavu-core # for the labels of `make figures`
   libopenexr-dev libimath-dev libnanovdb-dev
+  libopenvdb-dev libboost-dev libblosc-dev # OpenVDB's headers include Boost's
   python3-numpy python3-openimageio # for `make conformance`
   libpugixml-dev zlib1g-dev libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev libbenchmark-dev
@@ -18,14 +20,16 @@ for option in "$@"; do
   case "$option" in
     --fuzz) packages+=(clang libclang-rt-dev) ;;
     --lint) packages+=(clang-format clang-tidy) ;;
-    *) echo "install-dependencies.sh: unknown option $option; there are --fuzz and --lint." >&2; exit 2 ;;
+    --peers) packages+=(blender) ;;
+    *) echo "install-dependencies.sh: unknown option $option; there are --fuzz, --lint and --peers." >&2; exit 2 ;;
   esac
 done
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   cat >&2 <<'TEXT'
 This script knows Debian and Ubuntu only. Elsewhere, please install: a C++20 compiler (GCC 12 or later), CMake 3.22,
-Ninja, Python 3, Embree 3, oneTBB, OpenImageIO 2.4, OpenEXR 3, Imath 3, NanoVDB 10, pugixml, zlib, CLI11 2, fmt 9, spdlog, nlohmann-json,
+Ninja, Python 3, Embree 3, oneTBB, OpenImageIO 2.4, OpenEXR 3, Imath 3,
+OpenVDB 10 with NanoVDB, Blosc, Boost's headers, pugixml, zlib, CLI11 2, fmt 9, spdlog, nlohmann-json,
 GoogleTest with GoogleMock, Google Benchmark, the DejaVu fonts, NumPy and OpenImageIO's module for /usr/bin/python3; Clang
 with its sanitizer runtime for the fuzzers.
 Then: cmake --preset release.

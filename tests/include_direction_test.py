@@ -22,7 +22,8 @@ MAY_READ_FORMATS = {"formats", "apps"}
 
 # First part of a library's include path → the one folder that uses it.
 OWNER = {"tbb": "base", "oneapi": "base", "spdlog": "base", "Imath": "math", "OpenImageIO": "image",
-         "OpenColorIO": "image", "pugixml.hpp": "formats", "embree3": "geometry", "embree4": "geometry", "nanovdb": "volumes", "CLI": "apps"}
+         "OpenColorIO": "image", "pugixml.hpp": "formats", "embree3": "geometry", "embree4": "geometry", "nanovdb": "volumes",
+         "openvdb": "volumes", "blosc.h": "volumes", "CLI": "apps"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 SUFFIXES = {".h", ".hpp", ".cpp", ".cc", ".inl"}

@@ -20,7 +20,8 @@ class VolumeGrid {
 /// World bounds of a box in the space that `to_world` maps from.
 Bounds3 transformed(const Bounds3& box, const Transform& to_world);
 
-/// The grid of that name (empty: the first) in a NanoVDB file (.nvdb). Throws Error(Failure::input).
+/// The grid of that name (empty: the first) in an OpenVDB (.vdb) or NanoVDB (.nvdb) file; what it is, its first bytes
+/// say. Throws Error(Failure::input).
 std::shared_ptr<const VolumeGrid> read_vdb(const std::filesystem::path& file, const std::string& grid,
                                            const Transform& to_world);
 

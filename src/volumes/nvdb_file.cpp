@@ -1,8 +1,10 @@
 #include "volumes/nvdb_file.h"
 
+#include <blosc.h>
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <fstream>
 #include <optional>
 
@@ -15,10 +17,11 @@ namespace {
 
 namespace io = nanovdb::io;
 
-constexpr std::uint64_t kOpenVdb = 0x56444220;  // the first eight bytes of a .vdb file
 constexpr std::uint32_t kLongestName = 4096;
-/// The smallest grid there is, and how much zlib shrinks a file at the most.
+/// The smallest grid there is, and how much zlib shrinks a file at the most; Blosc's LZ4 shrinks it less.
 constexpr std::uint64_t kSmallestGrid = sizeof(nanovdb::GridData), kMostPacked = 1032;
+/// NanoVDB hands Blosc so many bytes at a time.
+constexpr std::size_t kBloscChunk = std::size_t{1} << 30;
 
 class NvdbFile {
  public:
@@ -60,9 +63,7 @@ class NvdbFile {
   /// Goes to the wanted grid if the next segment has it, else behind the segment.
   std::optional<io::MetaData> find_in_segment() {
     const auto header = take<io::Header>();
-    if (header.magic == kOpenVdb)
-      fail("is an OpenVDB file, and only NanoVDB's are read: nanovdb_convert makes one of it");
-    if (header.magic != NANOVDB_MAGIC_NUMBER) fail("is no NanoVDB file");
+    if (header.magic != NANOVDB_MAGIC_NUMBER) fail("is neither an OpenVDB nor a NanoVDB file");
     if (header.version.getMajor() != NANOVDB_MAJOR_VERSION_NUMBER)
       fail(fmt::format("is of NanoVDB's version {}, and only {} is read", header.version.getMajor(),
                        NANOVDB_MAJOR_VERSION_NUMBER));
@@ -91,25 +92,51 @@ class NvdbFile {
   }
 
   NvdbBytes unpack(const io::MetaData& meta) {
-    const bool zip = meta.codec == io::Codec::ZIP;
-    if (!zip && meta.codec != io::Codec::NONE)
-      fail("is packed by Blosc, which is not read; write it without compression or with ZIP");
-    const std::uint64_t packed = zip ? take<std::uint64_t>() : meta.gridSize;
-    if (packed > left_ || meta.gridSize < kSmallestGrid || meta.gridSize / kMostPacked > packed)
+    const bool is_packed = meta.codec == io::Codec::ZIP || meta.codec == io::Codec::BLOSC;
+    if (!is_packed && meta.codec != io::Codec::NONE) fail("is packed in a way that is not known");
+    const std::uint64_t stored = is_packed ? meta.fileSize : meta.gridSize;
+    if (stored > left_ || meta.gridSize < kSmallestGrid || meta.gridSize / kMostPacked > stored)
       fail("ends in the middle of a grid");
     NvdbBytes grid(meta.gridSize);
-    if (!zip) {
-      take(grid.bytes().data(), packed);
-      return grid;
-    }
-    std::vector<Bytef> bytes(packed);
-    take(bytes.data(), packed);
-    uLongf size = meta.gridSize;
-    if (uncompress(reinterpret_cast<Bytef*>(grid.bytes().data()), &size, bytes.data(), packed) != Z_OK ||
-        size != meta.gridSize)
-      fail("is damaged: a grid cannot be unpacked");
+    if (meta.codec == io::Codec::NONE)
+      take(grid.bytes().data(), grid.bytes().size());
+    else if (meta.codec == io::Codec::ZIP)
+      unzip(grid.bytes());
+    else
+      unpack_blosc(grid.bytes());
     return grid;
   }
+
+  void unzip(std::span<std::byte> grid) {
+    const std::vector<Bytef> bytes = take_packed<Bytef>();
+    uLongf size = grid.size();
+    if (uncompress(reinterpret_cast<Bytef*>(grid.data()), &size, bytes.data(), bytes.size()) != Z_OK ||
+        size != grid.size())
+      fail_unpacking();
+  }
+
+  void unpack_blosc(std::span<std::byte> grid) {
+    while (!grid.empty()) {
+      const std::vector<char> bytes = take_packed<char>();
+      const std::size_t chunk = std::min(grid.size(), kBloscChunk);
+      std::size_t size = 0;
+      if (blosc_cbuffer_validate(bytes.data(), bytes.size(), &size) < 0 || size != chunk ||
+          blosc_decompress_ctx(bytes.data(), grid.data(), chunk, 1) != static_cast<int>(chunk))
+        fail_unpacking();
+      grid = grid.subspan(chunk);
+    }
+  }
+
+  template <typename Byte>
+  std::vector<Byte> take_packed() {
+    const auto size = take<std::uint64_t>();
+    if (size > left_) fail("ends in the middle of a grid");
+    std::vector<Byte> bytes(size);
+    take(bytes.data(), size);
+    return bytes;
+  }
+
+  [[noreturn]] void fail_unpacking() const { fail("is damaged: a grid cannot be unpacked"); }
 
   const std::filesystem::path& path_;
   const std::string& wanted_;

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "volumes/grid.h"
 #include "volumes/nvdb_file.h"
+#include "volumes/openvdb_file.h"
 
 namespace etendue {
 namespace {
@@ -242,7 +243,7 @@ std::shared_ptr<const VolumeGrid> make_grid(NvdbBytes bytes, const std::filesyst
 
 std::shared_ptr<const VolumeGrid> read_vdb(const std::filesystem::path& file, const std::string& grid,
                                            const Transform& to_world) {
-  NvdbBytes bytes = read_nvdb_file(file, grid);
+  NvdbBytes bytes = is_openvdb_file(file) ? read_openvdb_file(file, grid) : read_nvdb_file(file, grid);
   const auto& data = *reinterpret_cast<const nanovdb::GridData*>(bytes.bytes().data());
   if (data.mMagic != NANOVDB_MAGIC_NUMBER)
     throw Error(Failure::input, fmt::format("{}: the grid is damaged.", file.string()));
