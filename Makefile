@@ -16,6 +16,7 @@ help:
 	@echo 'make test         the same, then run every test and the fuzzers for a minute'
 	@echo 'make build        install what is missing and build build/release/apps/cli/etendue'
 	@echo 'make bench        build and run the benchmarks'
+	@echo 'make bench-peers  measure beside Blender'\''s Cycles on scenes/bench/; PEERS='\''--scenes a,b'\'' and more: scripts/bench_peers.py --help'
 	@echo 'make figures      render what each setting does, into out/figures/index.html; QUICK=1: small and noisy'
 	@echo 'make conformance  render Mitsuba'\''s tests and compare, into out/conformance/index.html; needs ETENDUE_SHARED'
 	@echo 'make asan         run the tests under AddressSanitizer and UndefinedBehaviorSanitizer'
@@ -48,6 +49,11 @@ test: build
 bench: dependencies
 	$(call build,bench)
 	@for program in $$(find build/bench/bench -name '*_bench' -type f -executable); do $$program || exit 1; done
+
+.PHONY: bench-peers
+bench-peers: build
+	@scripts/install-dependencies.sh --peers
+	scripts/bench_peers.py --etendue $(ETENDUE) $(PEERS)
 
 .PHONY: figures
 figures: build
