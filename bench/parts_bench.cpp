@@ -65,7 +65,7 @@ BENCHMARK(bench_bsdf_sample<ConductorBsdf>);
 void bench_light_sample(benchmark::State& state, const Light& light, const Point3& from) {
   const Points p(0);
   for (auto _ : state)
-    for (int i = 0; i < kBatch; ++i) benchmark::DoNotOptimize(sample_light(light, from, {p.u[i], p.v[i]}, p.v[i]));
+    for (int i = 0; i < kBatch; ++i) benchmark::DoNotOptimize(sample_light(light, 0, from, {p.u[i], p.v[i]}));
   state.SetItemsProcessed(state.iterations() * kBatch);
 }
 

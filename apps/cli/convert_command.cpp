@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "file_names.h"
 #include "formats/formats.h"
+#include "interrupt.h"
 #include "render_setup.h"
 #include "scene_loading.h"
 
@@ -86,8 +87,13 @@ int run(const ConvertOptions& options) {
   DiagnosticsPrinter printer(diagnostics);
   scene::SceneDescription scene = read_description(options.render, diagnostics);
   place(scene, options.render, diagnostics);
-  write_scene(options.output, scene, diagnostics);
+  catch_interrupts();
+  const bool is_written = write_scene(options.output, scene, diagnostics, interrupted);
   printer.print();
+  if (!is_written) {
+    log_warning("interrupted; nothing was written");
+    return kInterruptedExitCode;
+  }
   log_info(fmt::format("wrote {}", options.output.string()));
   return 0;
 }

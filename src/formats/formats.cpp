@@ -108,8 +108,9 @@ void check_scene_writable(const std::filesystem::path& path) {
   written_format_of(path);
 }
 
-void write_scene(const std::filesystem::path& path, const scene::SceneDescription& scene, Diagnostics& diagnostics) {
-  written_format_of(path).write(path, scene, diagnostics);
+bool write_scene(const std::filesystem::path& path, const scene::SceneDescription& scene, Diagnostics& diagnostics,
+                 StopQuery stopped) {
+  return written_format_of(path).write(path, scene, diagnostics, stopped);
 }
 
 }  // namespace etendue

@@ -15,13 +15,16 @@ struct ReadOptions {
   std::map<std::string, std::string> definitions;  ///< values for the $names of a Mitsuba scene
 };
 
+/// Asked again and again while a scene is written: whether it is wanted no more.
+using StopQuery = bool (*)();
+
 /// One scene file format: what it is called, how it is recognised, who reads it, and who writes it.
 struct SceneFormat {
   std::string_view name;
   std::span<const std::string_view> extensions;  ///< lower case, with the dot
   scene::SceneDescription (*read)(const std::filesystem::path&, const ReadOptions&, Diagnostics&);
-  void (*write)(const std::filesystem::path&, const scene::SceneDescription&,
-                Diagnostics&) = nullptr;  ///< null: cannot be written
+  bool (*write)(const std::filesystem::path&, const scene::SceneDescription&, Diagnostics&,
+                StopQuery) = nullptr;  ///< null: cannot be written
 };
 
 /// All formats there are.
@@ -37,8 +40,9 @@ scene::SceneDescription read_scene(const std::filesystem::path& path, Diagnostic
 void check_scene_writable(const std::filesystem::path& path);
 
 /// Writes a scene file in the format its extension names, whole or not at all. What the format cannot express becomes
-/// counted warnings that say what is written instead. Throws Error(Failure::usage) as check_scene_writable,
-/// Error(Failure::output).
-void write_scene(const std::filesystem::path& path, const scene::SceneDescription& scene, Diagnostics& diagnostics);
+/// counted warnings that say what is written instead. False: it was stopped, and nothing was written. Throws
+/// Error(Failure::usage) as check_scene_writable, Error(Failure::output).
+bool write_scene(const std::filesystem::path& path, const scene::SceneDescription& scene, Diagnostics& diagnostics,
+                 StopQuery stopped = nullptr);
 
 }  // namespace etendue

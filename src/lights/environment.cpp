@@ -106,6 +106,22 @@ Image lookup_means(const Image& map, MapRows rows) {
   return out;
 }
 
+Image compensated(const Image& means) {
+  constexpr float kRoundingShare = 1e-4f;  // an even sky has no bright places
+  const int w = means.width(), h = means.height();
+  double sum = 0;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) sum += means.at(x, y).luminance() * row_solid_angle(y, h);
+  const auto mean = static_cast<float>(sum / (2.0 * w));  // the solid angles of a column sum to 2
+  Image out(w, h);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const float excess = means.at(x, y).luminance() - mean;
+      out.at(x, y) = Spectrum(excess > kRoundingShare * mean ? excess : 0.0f);
+    }
+  return out;
+}
+
 MapRepairs repair_map(Image& map) {
   MapRepairs repairs;
   bool light = false;

@@ -53,6 +53,12 @@ enum class MapRows {
 /// map; as many rows, or with pole_to_pole one fewer, each between two of the map's.
 Image lookup_means(const Image& map, MapRows rows);
 
+/// What is left of lookup means for light samples to do where BSDF samples find the same light and the two are
+/// weighted: what exceeds the mean over the sphere (Karlík et al. 2019, "MIS Compensation: Optimizing Sampling
+/// Techniques in Multiple Importance Sampling", eq. 14 with equal shares). Its distribution misses directions from
+/// which light comes.
+Image compensated(const Image& means);
+
 /// What cleaning a map found.
 struct MapRepairs {
   std::size_t invalid = 0;  ///< NaN, infinite or negative texels, set to 0

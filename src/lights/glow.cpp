@@ -39,6 +39,10 @@ struct Part {
   }
 };
 
+std::uint32_t square_of(int n) {
+  return static_cast<std::uint32_t>(n * n);
+}
+
 /// The way from `from` to a point of a surface that was chosen with this density by area.
 std::optional<LightSample> seen_from(const Point3& from, const SurfaceHit& surface, float pdf_area) {
   const Vec3 d = surface.position - from;
@@ -69,49 +73,67 @@ TexturedMeshLight::TexturedMeshLight(const Glow& glow_in) : glow(glow_in) {
   const std::size_t count = mesh.triangles.size();
   divisions = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(kMostParts) / static_cast<double>(count))), 1,
                          kMostDivisions);
-  const int parts = divisions * divisions;
+  const int divided = divisions * divisions;
   std::vector<double> weights;
-  weights.reserve(count * parts);
+  weights.reserve(count * divided);
   double total = 0, area = 0;
   for (std::uint32_t t = 0; t < count; ++t) {
     const auto& [a, b, c] = mesh.triangles[t];
     areas.push_back(0.5f * length(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a])));
-    for (int p = 0; p < parts; ++p) {
+    for (int p = 0; p < divided; ++p) {
       const Part part = Part::at(p, divisions);
       double luminance = 0;
       for (const Vec2& inner : {Vec2(1 / 6.0f, 1 / 6.0f), Vec2(2 / 3.0f, 1 / 6.0f), Vec2(1 / 6.0f, 2 / 3.0f)}) {
         const AreaPoint point = mesh_point(*glow.geometry, glow.shape, t, part.whole(inner, divisions));
         luminance += glow.at(point.hit, point.surface).luminance() / 3;
       }
-      weights.push_back(luminance * areas.back() / parts);
+      weights.push_back(luminance * areas.back() / divided);
       total += weights.back();
     }
     area += areas.back();
   }
   flux = static_cast<float>(total);
   const double least = kLeastShare * (total > 0 ? total / area : 1.0);
-  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] += least * areas[i / parts] / parts;
-  by_flux = DiscreteDistribution(weights);
+  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] += least * areas[i / divided] / divided;
+  parts = DiscreteDistribution(weights);
 }
 
-std::optional<LightSample> TexturedMeshLight::sample(const Point3& from, Vec2 u, float choice) const {
-  const int parts = divisions * divisions;
-  const DiscreteDistribution::Sample chosen = by_flux.sample(choice);
-  const auto triangle = static_cast<std::uint32_t>(chosen.index / parts);
-  const Part part = Part::at(static_cast<int>(chosen.index % parts), divisions);
-  const AreaPoint point =
-      mesh_point(*glow.geometry, glow.shape, triangle, part.whole(sample_triangle_uniform(u), divisions));
-  std::optional<LightSample> sample =
-      seen_from(from, point.surface, chosen.probability * static_cast<float>(parts) / areas[triangle]);
+std::optional<LightSample> TexturedMeshLight::sample(std::uint32_t part, const Point3& from, Vec2 u) const {
+  const AreaPoint point = point_on(part, sample_triangle_uniform(u));
+  std::optional<LightSample> sample = seen_from(from, point.surface, 1 / part_area(point.hit.primitive));
   if (sample) sample->radiance = glow.at(point.hit, point.surface);
   return sample;
 }
 
 float TexturedMeshLight::pdf_hit(const Point3& from, const LightHit& hit) const {
-  const int parts = divisions * divisions;
-  const int part = Part::holding(hit.u, hit.v, divisions).index(divisions);
-  const float probability = by_flux.probability(static_cast<std::size_t>(hit.primitive) * parts + part);
-  return to_solid_angle(from, hit, probability * static_cast<float>(parts) / areas[hit.primitive]);
+  return to_solid_angle(from, hit, 1 / part_area(hit.primitive));
+}
+
+std::uint32_t TexturedMeshLight::part_at(const LightHit& hit) const {
+  const int within = Part::holding(hit.u, hit.v, divisions).index(divisions);
+  return hit.primitive * square_of(divisions) + static_cast<std::uint32_t>(within);
+}
+
+LightBounds TexturedMeshLight::bounds(std::uint32_t part) const {
+  LightBounds out;
+  for (const Vec2& corner : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)}) {
+    const AreaPoint point = point_on(part, corner);
+    out.box.extend(point.surface.position);
+    out.normals.axis = point.surface.geometric_normal;
+  }
+  out.intensity = parts.probability(part) * flux;
+  return out;
+}
+
+/// The point of a part with these weights of its second and third corner.
+AreaPoint TexturedMeshLight::point_on(std::uint32_t part, Vec2 weights) const {
+  const std::uint32_t parts_each = square_of(divisions);
+  const Part within = Part::at(static_cast<int>(part % parts_each), divisions);
+  return mesh_point(*glow.geometry, glow.shape, part / parts_each, within.whole(weights, divisions));
+}
+
+float TexturedMeshLight::part_area(std::uint32_t triangle) const {
+  return areas[triangle] / static_cast<float>(square_of(divisions));
 }
 
 float TexturedMeshLight::power(const Bounds3&) const {
@@ -130,7 +152,7 @@ CurvedLight::CurvedLight(const Glow& glow_in) : glow(glow_in) {
   flux = static_cast<float>(sum / (kGrid * kGrid));
 }
 
-std::optional<LightSample> CurvedLight::sample(const Point3& from, Vec2 u, float) const {
+std::optional<LightSample> CurvedLight::sample(const Point3& from, Vec2 u) const {
   const AreaPoint point = sample_curved(*glow.geometry, glow.shape, u);
   std::optional<LightSample> sample = seen_from(from, point.surface, point.pdf_area);
   if (sample) sample->radiance = glow.at(point.hit, point.surface);
@@ -159,6 +181,25 @@ float CurvedLight::pdf_hit(const Point3& from, const LightHit& hit) const {
 
 float CurvedLight::power(const Bounds3&) const {
   return kPi * flux;
+}
+
+LightBounds CurvedLight::bounds() const {
+  const Geometry& geometry = *glow.geometry;
+  switch (geometry.kind(glow.shape)) {
+    case Geometry::Kind::disk: {
+      const DiskShape& disk = geometry.disk(glow.shape);
+      return {bounds_of(disk), {point_at(disk, 0, 0).normal, 0}, 0, flux};
+    }
+    case Geometry::Kind::cylinder:
+      return {bounds_of(geometry.cylinder(glow.shape)), DirectionCone::all(), 0, flux * kInvPi};
+    default: {
+      const SphereShape& sphere = geometry.sphere(glow.shape);
+      return {{sphere.center - Vec3(sphere.radius), sphere.center + Vec3(sphere.radius)},
+              DirectionCone::all(),
+              0,
+              flux * 0.25f};
+    }
+  }
 }
 
 }  // namespace etendue

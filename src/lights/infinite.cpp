@@ -21,7 +21,7 @@ float uv_to_solid_angle(float pdf_uv, const Vec3& w) {
 
 }  // namespace
 
-std::optional<LightSample> DirectionalLight::sample(const Point3&, Vec2, float) const {
+std::optional<LightSample> DirectionalLight::sample(const Point3&, Vec2) const {
   return LightSample{to_light, kInfinity, irradiance, 1, true};
 }
 
@@ -29,7 +29,7 @@ float DirectionalLight::power(const Bounds3& scene) const {
   return irradiance.luminance() * scene_disk_area(scene);
 }
 
-std::optional<LightSample> UniformLight::sample(const Point3&, Vec2 u, float) const {
+std::optional<LightSample> UniformLight::sample(const Point3&, Vec2 u) const {
   if (!upper_half) return LightSample{sample_sphere_uniform(u), kInfinity, emitted, sphere_uniform_pdf()};
   const Vec3 w = sample_hemisphere_uniform(u);
   return LightSample{{w.x, w.z, w.y}, kInfinity, emitted, hemisphere_uniform_pdf(w)};
@@ -45,7 +45,7 @@ float UniformLight::power(const Bounds3& scene) const {
   return (upper_half ? 2 : 4) * kPi * emitted.luminance() * scene_disk_area(scene);
 }
 
-std::optional<LightSample> EnvironmentLight::sample(const Point3&, Vec2 u, float) const {
+std::optional<LightSample> EnvironmentLight::sample(const Point3&, Vec2 u) const {
   std::optional<LightSample> found;
   sample(std::span(&u, 1), std::span(&found, 1));
   return found;

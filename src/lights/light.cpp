@@ -2,7 +2,7 @@
 
 namespace etendue {
 
-std::optional<LightSample> PointLight::sample(const Point3& from, Vec2, float) const {
+std::optional<LightSample> PointLight::sample(const Point3& from, Vec2) const {
   const Vec3 d = position - from;
   const float d2 = length_squared(d);
   if (!(d2 > 0)) return std::nullopt;
@@ -14,34 +14,81 @@ float PointLight::power(const Bounds3&) const {
   return 4 * kPi * intensity.luminance();
 }
 
+LightBounds PointLight::bounds() const {
+  return {{position, position}, DirectionCone::all(), 1, intensity.luminance()};
+}
+
 namespace {
 
 template <typename... Models>
 constexpr bool all_are_models(const std::variant<Models...>*) {
-  return (LightModel<Models> && ...);
+  return ((WholeLight<Models> || LightOfParts<Models>)&&...);
 }
 static_assert(all_are_models(static_cast<const Light*>(nullptr)));
 
 }  // namespace
 
-std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u, float choice) {
-  return std::visit([&](const auto& l) { return l.sample(from, u, choice); }, light);
-}
-
-void sample_light(const Light& light, std::span<const Point3> from, std::span<const Vec2> u,
-                  std::span<const float> choice, std::span<std::optional<LightSample>> samples) {
-  std::visit(
-      [&]<typename T>(const T& l) {
-        if constexpr (std::is_same_v<T, EnvironmentLight>)
-          l.sample(u, samples);
+std::uint32_t part_count(const Light& light) {
+  return std::visit(
+      []<typename T>(const T& l) {
+        if constexpr (LightOfParts<T>)
+          return static_cast<std::uint32_t>(l.parts.size());
         else
-          for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = l.sample(from[i], u[i], choice[i]);
+          return std::uint32_t{1};
       },
       light);
 }
 
-bool has_parts(const Light& light) {
-  return std::holds_alternative<MeshLight>(light) || std::holds_alternative<TexturedMeshLight>(light);
+PartChoice choose_part(const Light& light, float u) {
+  return std::visit(
+      [&]<typename T>(const T& l) {
+        if constexpr (LightOfParts<T>) {
+          const DiscreteDistribution::Sample chosen = l.parts.sample(u);
+          return PartChoice{static_cast<std::uint32_t>(chosen.index), chosen.probability};
+        } else {
+          return PartChoice{};
+        }
+      },
+      light);
+}
+
+float part_probability(const Light& light, std::uint32_t part) {
+  return std::visit(
+      [&]<typename T>(const T& l) {
+        if constexpr (LightOfParts<T>)
+          return l.parts.probability(part);
+        else
+          return 1.0f;
+      },
+      light);
+}
+
+std::uint32_t part_at(const Light& light, const LightHit& hit) {
+  return std::visit(
+      [&]<typename T>(const T& l) {
+        if constexpr (LightOfParts<T>)
+          return l.part_at(hit);
+        else
+          return std::uint32_t{0};
+      },
+      light);
+}
+
+std::optional<LightSample> sample_light(const Light& light, std::uint32_t part, const Point3& from, Vec2 u) {
+  return std::visit(
+      [&]<typename T>(const T& l) {
+        if constexpr (LightOfParts<T>)
+          return l.sample(part, from, u);
+        else
+          return l.sample(from, u);
+      },
+      light);
+}
+
+void sample_light(const Light& light, std::span<const std::uint32_t> part, std::span<const Point3> from,
+                  std::span<const Vec2> u, std::span<std::optional<LightSample>> samples) {
+  if (const auto* environment = std::get_if<EnvironmentLight>(&light)) return environment->sample(u, samples);
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = sample_light(light, part[i], from[i], u[i]);
 }
 
 float light_pdf(const Light& light, const Point3& from, const LightHit& hit) {
@@ -51,6 +98,19 @@ float light_pdf(const Light& light, const Point3& from, const LightHit& hit) {
           return l.pdf_hit(from, hit);
         else
           return 0.0f;
+      },
+      light);
+}
+
+std::optional<LightBounds> light_bounds(const Light& light, std::uint32_t part) {
+  return std::visit(
+      [&]<typename T>(const T& l) -> std::optional<LightBounds> {
+        if constexpr (LightOfParts<T>)
+          return l.bounds(part);
+        else if constexpr (requires { l.bounds(); })
+          return l.bounds();
+        else
+          return std::nullopt;
       },
       light);
 }

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "image/image.h"
+#include "lights/area_sampler.h"
 #include "lights/environment.h"
+#include "lights/light_bounds.h"
 #include "lights/rectangle.h"
 #include "materials/texture.h"
 #include "math/bounds.h"
@@ -40,16 +42,32 @@ struct LightHit {
   float u = 0, v = 0;           ///< as in RayHit
 };
 
-/// What every light offers. `u` picks the point or direction, `choice` the part of a light that has several; all
-/// uniform. `pdf_hit` of those with a surface: density per solid angle, at `from`, of sample() giving the direction to
-/// `hit`. `power`: emitted flux in W, roughly, for choosing among lights.
+/// What every light offers. `power`: emitted flux in W, roughly. Those that are not at infinity have bounds(), too, of
+/// each part if there are any.
 template <typename T>
-concept LightModel = requires(const T& light, const Point3& from, Vec2 u, float choice, const Bounds3& scene) {
-  { light.sample(from, u, choice) } -> std::same_as<std::optional<LightSample>>;
+concept LightModel = requires(const T& light, const Bounds3& scene) {
   { light.power(scene) } -> std::same_as<float>;
   { T::kDelta } -> std::convertible_to<bool>;
 };
 
+/// A light that is sampled as a whole, by u, uniform in [0,1)².
+template <typename T>
+concept WholeLight = LightModel<T> && requires(const T& light, const Point3& from, Vec2 u) {
+  { light.sample(from, u) } -> std::same_as<std::optional<LightSample>>;
+};
+
+/// A light of many parts, which are chosen first: `parts` has their shares of the flux.
+template <typename T>
+concept LightOfParts = LightModel<T> &&
+    requires(const T& light, std::uint32_t part, const Point3& from, Vec2 u, const LightHit& hit) {
+  { light.sample(part, from, u) } -> std::same_as<std::optional<LightSample>>;
+  { light.part_at(hit) } -> std::same_as<std::uint32_t>;
+  { light.bounds(part) } -> std::same_as<LightBounds>;
+  { light.parts } -> std::convertible_to<const DiscreteDistribution&>;
+};
+
+/// `pdf_hit`: density per solid angle, at `from`, of sample() giving the direction to `hit`, if the part there is the
+/// chosen one.
 template <typename T>
 concept FiniteAreaLight = LightModel<T> && requires(const T& light, const Point3& from, const LightHit& hit) {
   { light.pdf_hit(from, hit) } -> std::same_as<float>;
@@ -63,7 +81,7 @@ struct InfiniteView {
 };
 
 template <typename T>
-concept InfiniteLight = LightModel<T> && requires(const T& light, const Vec3& wi) {
+concept InfiniteLight = WholeLight<T> && requires(const T& light, const Vec3& wi) {
   { light.look(wi) } -> std::same_as<InfiniteView>;
 };
 
@@ -72,8 +90,9 @@ struct PointLight {
   Point3 position;
   Spectrum intensity;  ///< W·sr⁻¹
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
   float power(const Bounds3& scene) const;
+  LightBounds bounds() const;
 };
 
 /// Within the cone intensity · cos(angle to the axis)^exponent · a ramp that falls with the angle from 1 at the beam's
@@ -89,8 +108,9 @@ struct SpotLight {
   ColorSource picture = Spectrum(1);
   const Textures* textures = nullptr;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
   float power(const Bounds3& scene) const;
+  LightBounds bounds() const;
 };
 
 /// A pinhole camera run backwards: gives a plane at distance 1, facing it, the irradiance of its picture.
@@ -102,8 +122,9 @@ struct ProjectorLight {
   ColorSource picture = Spectrum(1);
   const Textures* textures = nullptr;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
   float power(const Bounds3& scene) const;
+  LightBounds bounds() const;
 };
 
 struct DirectionalLight {
@@ -111,7 +132,7 @@ struct DirectionalLight {
   Vec3 to_light;        ///< unit
   Spectrum irradiance;  ///< on a surface facing it
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
   float power(const Bounds3& scene) const;
 };
 
@@ -121,13 +142,13 @@ struct RectangleLight {
   Rectangle rectangle;
   Spectrum emitted;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
   float power(const Bounds3& scene) const;
+  LightBounds bounds() const;
 };
 
-/// Triangles of one radiance; a triangle is chosen by area, a point on it by area or, near it, by solid angle (Arvo
-/// 1995).
+/// Triangles of one radiance, its parts; a point on one is chosen by area or, near it, by solid angle (Arvo 1995).
 struct MeshLight {
   static constexpr bool kDelta = false;
   struct Triangle {
@@ -136,13 +157,15 @@ struct MeshLight {
     float area;
   };
   std::vector<Triangle> triangles;
-  DiscreteDistribution by_area;
+  DiscreteDistribution parts;  ///< by area
   Spectrum emitted;
 
   MeshLight(std::vector<Triangle> triangles, const Spectrum& emitted);
-  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  std::optional<LightSample> sample(std::uint32_t part, const Point3& from, Vec2 u) const;
+  std::uint32_t part_at(const LightHit& hit) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
   float power(const Bounds3& scene) const;
+  LightBounds bounds(std::uint32_t part) const;
 };
 
 /// Sphere that shines outwards, sampled within the cone it subtends.
@@ -152,9 +175,10 @@ struct SphereLight {
   float radius;
   Spectrum emitted;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
   float power(const Bounds3& scene) const;
+  LightBounds bounds() const;
 };
 
 /// What a shape of the geometry gives off where that is not the same everywhere.
@@ -168,20 +192,26 @@ struct Glow {
   Spectrum at(const RayHit& hit, const SurfaceHit& surface) const;
 };
 
-/// A mesh with a textured radiance. Its triangles are divided into small ones, chosen by their flux; a point on them by
+/// A mesh with a textured radiance. Its triangles are divided into small ones, its parts; a point on them is chosen by
 /// area.
 struct TexturedMeshLight {
   static constexpr bool kDelta = false;
   Glow glow;
-  int divisions = 1;  ///< of each edge
-  DiscreteDistribution by_flux;
-  std::vector<float> areas;  ///< of the whole triangles
-  float flux = 0;            ///< luminance
+  int divisions = 1;           ///< of each edge
+  DiscreteDistribution parts;  ///< by flux, none of them 0
+  std::vector<float> areas;    ///< of the whole triangles
+  float flux = 0;              ///< luminance
 
   explicit TexturedMeshLight(const Glow& glow);
-  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  std::optional<LightSample> sample(std::uint32_t part, const Point3& from, Vec2 u) const;
+  std::uint32_t part_at(const LightHit& hit) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
   float power(const Bounds3& scene) const;
+  LightBounds bounds(std::uint32_t part) const;
+
+ private:
+  AreaPoint point_on(std::uint32_t part, Vec2 weights) const;
+  float part_area(std::uint32_t triangle) const;
 };
 
 /// Disk, cylinder or sphere, sampled by area: spheres that shine inwards or have a texture.
@@ -191,9 +221,10 @@ struct CurvedLight {
   float flux = 0;  ///< luminance
 
   explicit CurvedLight(const Glow& glow);
-  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
   float power(const Bounds3& scene) const;
+  LightBounds bounds() const;
 };
 
 /// Constant radiance from every direction, or from those with y ≥ 0.
@@ -202,7 +233,7 @@ struct UniformLight {
   Spectrum emitted;
   bool upper_half = false;
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
   InfiniteView look(const Vec3& wi) const;
   float power(const Bounds3& scene) const;
 };
@@ -218,7 +249,7 @@ struct EnvironmentLight {
   Frame axes = Frame::from_normal({0, 0, 1});  ///< world directions of the map's x, y and z
   bool turned = false;                         ///< the axes are not the world's
 
-  std::optional<LightSample> sample(const Point3& from, Vec2 u, float choice) const;
+  std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
   void sample(std::span<const Vec2> u, std::span<std::optional<LightSample>> samples) const;
   InfiniteView look(const Vec3& wi) const;
   void look(std::span<const Vec3> wi, std::span<InfiniteView> views) const;
@@ -233,16 +264,30 @@ struct EnvironmentLight {
 using Light = std::variant<PointLight, SpotLight, ProjectorLight, DirectionalLight, RectangleLight, MeshLight,
                            SphereLight, TexturedMeshLight, CurvedLight, UniformLight, EnvironmentLight>;
 
-/// A way to shine on `from`, with probability density `pdf`. Nothing if the light cannot be seen from there.
-std::optional<LightSample> sample_light(const Light& light, const Point3& from, Vec2 u, float choice);
-/// The same for many points, samples[i] from from[i] by u[i] and choice[i]; at most 16: those of an environment wait
-/// for memory together.
-void sample_light(const Light& light, std::span<const Point3> from, std::span<const Vec2> u,
-                  std::span<const float> choice, std::span<std::optional<LightSample>> samples);
-/// Whether `choice` matters.
-bool has_parts(const Light& light);
-/// Density with which sample_light gives the direction to a point of a finite light; 0 for lights without surface.
+/// A light's part, and the probability of choosing it. Lights without parts are their own part 0.
+struct PartChoice {
+  std::uint32_t part = 0;
+  float probability = 1;
+};
+std::uint32_t part_count(const Light& light);
+/// By shares of the flux, from u uniform in [0,1).
+PartChoice choose_part(const Light& light, float u);
+/// That choose_part() chooses it.
+float part_probability(const Light& light, std::uint32_t part);
+std::uint32_t part_at(const Light& light, const LightHit& hit);
+
+/// A way in which a part shines on `from`; its density knows nothing of the part's choice. Nothing if it cannot be seen
+/// from there.
+std::optional<LightSample> sample_light(const Light& light, std::uint32_t part, const Point3& from, Vec2 u);
+/// The same for many points, samples[i] from from[i] by part[i] and u[i]; at most 16: those of an environment wait for
+/// memory together.
+void sample_light(const Light& light, std::span<const std::uint32_t> part, std::span<const Point3> from,
+                  std::span<const Vec2> u, std::span<std::optional<LightSample>> samples);
+/// Density with which sample_light gives the direction to a point of a finite light, from the part that is there; 0 for
+/// lights without surface.
 float light_pdf(const Light& light, const Point3& from, const LightHit& hit);
+/// Nothing for lights at infinity.
+std::optional<LightBounds> light_bounds(const Light& light, std::uint32_t part);
 /// What is seen of an infinite light along wi; black with density 0 for lights that are not at infinity.
 InfiniteView look_at_infinity(const Light& light, const Vec3& wi);
 /// The same along many directions, at most 16: they wait for memory together.

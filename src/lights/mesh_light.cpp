@@ -31,12 +31,11 @@ MeshLight::MeshLight(std::vector<Triangle> triangles_in, const Spectrum& emitted
   std::vector<double> areas;
   areas.reserve(triangles.size());
   for (const Triangle& t : triangles) areas.push_back(t.area);
-  by_area = DiscreteDistribution(areas);
+  parts = DiscreteDistribution(areas);
 }
 
-std::optional<LightSample> MeshLight::sample(const Point3& from, Vec2 u, float choice) const {
-  const DiscreteDistribution::Sample chosen = by_area.sample(choice);
-  const Triangle& t = triangles[chosen.index];
+std::optional<LightSample> MeshLight::sample(std::uint32_t part, const Point3& from, Vec2 u) const {
+  const Triangle& t = triangles[part];
   const float height = dot(from - t.p0, t.normal);
   if (height <= 0) return std::nullopt;
   if (by_solid_angle(t, from, height)) {
@@ -45,13 +44,12 @@ std::optional<LightSample> MeshLight::sample(const Point3& from, Vec2 u, float c
     const Vec3 wi = seen.sample(u);
     const float cosine = -dot(wi, t.normal);
     if (cosine <= 0) return std::nullopt;
-    return LightSample{wi,    height / cosine, emitted,          chosen.probability / seen.solid_angle(),
-                       false, t.normal,        position_error(t)};
+    return LightSample{wi, height / cosine, emitted, 1 / seen.solid_angle(), false, t.normal, position_error(t)};
   }
   const Vec2 b = sample_triangle_uniform(u);
   const Vec3 d = t.p0 * (1 - b.x - b.y) + t.p1 * b.x + t.p2 * b.y - from;
   const float d2 = length_squared(d), distance = std::sqrt(d2);
-  const float pdf = chosen.probability * area_to_solid_angle(d2, height, t.area);
+  const float pdf = area_to_solid_angle(d2, height, t.area);
   if (!std::isfinite(pdf) || pdf <= 0) return std::nullopt;
   return LightSample{d * (1 / distance), distance, emitted, pdf, false, t.normal, position_error(t)};
 }
@@ -60,12 +58,22 @@ float MeshLight::pdf_hit(const Point3& from, const LightHit& hit) const {
   const Triangle& t = triangles[hit.primitive];
   const float height = dot(from - t.p0, t.normal);
   if (height <= 0) return 0;
-  const float probability = by_area.probability(hit.primitive);
   if (by_solid_angle(t, from, height)) {
     const float solid_angle = SphericalTriangle(t.p0, t.p1, t.p2, from).solid_angle();
-    return solid_angle > 0 ? probability / solid_angle : 0.0f;
+    return solid_angle > 0 ? 1 / solid_angle : 0.0f;
   }
-  return probability * area_to_solid_angle(length_squared(hit.position - from), height, t.area);
+  return area_to_solid_angle(length_squared(hit.position - from), height, t.area);
+}
+
+std::uint32_t MeshLight::part_at(const LightHit& hit) const {
+  return hit.primitive;
+}
+
+LightBounds MeshLight::bounds(std::uint32_t part) const {
+  const Triangle& t = triangles[part];
+  Bounds3 box;
+  for (const Point3& p : {t.p0, t.p1, t.p2}) box.extend(p);
+  return {box, {t.normal, 0}, 0, t.area * emitted.luminance()};
 }
 
 float MeshLight::power(const Bounds3&) const {

@@ -24,9 +24,21 @@ Spectrum picture_at(const ColorSource& picture, const Textures* textures, Vec2 u
   return evaluate_color(picture, *textures, TexturePoint{uv, Point3(0), nullptr, {}});
 }
 
+/// Luminance of the picture, on average.
+float mean_luminance(const ColorSource& picture, const Textures* textures) {
+  constexpr int kGrid = 16;
+  float sum = 0;
+  for (int i = 0; i < kGrid; ++i)
+    for (int j = 0; j < kGrid; ++j) {
+      const Vec2 uv((static_cast<float>(i) + 0.5f) / kGrid, (static_cast<float>(j) + 0.5f) / kGrid);
+      sum += picture_at(picture, textures, uv).luminance();
+    }
+  return sum / (kGrid * kGrid);
+}
+
 }  // namespace
 
-std::optional<LightSample> SpotLight::sample(const Point3& from, Vec2, float) const {
+std::optional<LightSample> SpotLight::sample(const Point3& from, Vec2) const {
   const std::optional<Lit> lit = lit_point(frame, from);
   if (!lit || lit->cosine < std::cos(cutoff)) return std::nullopt;
   float falloff = exponent == 0 ? 1.0f : std::pow(std::max(lit->cosine, 0.0f), exponent);
@@ -39,13 +51,18 @@ std::optional<LightSample> SpotLight::sample(const Point3& from, Vec2, float) co
 }
 
 float SpotLight::power(const Bounds3&) const {
-  return 2 * kPi * (1 - std::cos(0.5f * (cutoff + beam))) * intensity.luminance();
+  return 2 * kPi * (1 - std::cos(0.5f * (cutoff + beam))) * bounds().intensity;
+}
+
+LightBounds SpotLight::bounds() const {
+  const float color = mean_luminance(picture, textures);
+  return {{frame.origin, frame.origin}, {-frame.z, cutoff}, 1, intensity.luminance() * color};
 }
 
 /// A plane at distance 1 that faces the projector gets its picture's irradiance where cosine and distance are 1:
 /// elsewhere the intensity that does so is irradiance / cos³, and E = intensity / distance² = irradiance / (depth² ·
 /// cos).
-std::optional<LightSample> ProjectorLight::sample(const Point3& from, Vec2, float) const {
+std::optional<LightSample> ProjectorLight::sample(const Point3& from, Vec2) const {
   const std::optional<Lit> lit = lit_point(frame, from);
   if (!lit || lit->cosine <= 0 || std::abs(lit->x) > tan_half_x || std::abs(lit->y) > tan_half_y) return std::nullopt;
   const Spectrum color =
@@ -55,7 +72,12 @@ std::optional<LightSample> ProjectorLight::sample(const Point3& from, Vec2, floa
 }
 
 float ProjectorLight::power(const Bounds3&) const {
-  return 4 * tan_half_x * tan_half_y * scale * picture_at(picture, textures, {0.5f, 0.5f}).luminance();
+  return 4 * tan_half_x * tan_half_y * bounds().intensity;
+}
+
+LightBounds ProjectorLight::bounds() const {
+  const float angle = std::atan(std::hypot(tan_half_x, tan_half_y));
+  return {{frame.origin, frame.origin}, {-frame.z, angle}, 1, scale * mean_luminance(picture, textures)};
 }
 
 }  // namespace etendue

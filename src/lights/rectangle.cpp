@@ -58,7 +58,7 @@ bool by_solid_angle(const Rectangle& r, const Point3& from, float height) {
 
 }  // namespace
 
-std::optional<LightSample> RectangleLight::sample(const Point3& from, Vec2 u, float) const {
+std::optional<LightSample> RectangleLight::sample(const Point3& from, Vec2 u) const {
   const float height = dot(from - rectangle.corner, rectangle.normal);
   if (height <= 0) return std::nullopt;
   Point3 p;
@@ -89,6 +89,14 @@ float RectangleLight::pdf_hit(const Point3& from, const LightHit& hit) const {
 
 float RectangleLight::power(const Bounds3&) const {
   return kPi * rectangle.area() * emitted.luminance();
+}
+
+LightBounds RectangleLight::bounds() const {
+  Bounds3 box;
+  for (const Point3& p : {rectangle.corner, rectangle.corner + rectangle.edge_x, rectangle.corner + rectangle.edge_y,
+                          rectangle.corner + rectangle.edge_x + rectangle.edge_y})
+    box.extend(p);
+  return {box, {rectangle.normal, 0}, 0, rectangle.area() * emitted.luminance()};
 }
 
 }  // namespace etendue

@@ -15,7 +15,7 @@ float subtended_one_minus_cos(float r2, float d2) {
 
 }  // namespace
 
-std::optional<LightSample> SphereLight::sample(const Point3& from, Vec2 u, float) const {
+std::optional<LightSample> SphereLight::sample(const Point3& from, Vec2 u) const {
   const Vec3 to_center = center - from;
   const float d2 = length_squared(to_center), r2 = square(radius);
   if (d2 <= r2) return std::nullopt;
@@ -44,6 +44,13 @@ float SphereLight::pdf_hit(const Point3& from, const LightHit&) const {
 
 float SphereLight::power(const Bounds3&) const {
   return kPi * 4 * kPi * square(radius) * emitted.luminance();
+}
+
+LightBounds SphereLight::bounds() const {
+  return {{center - Vec3(radius), center + Vec3(radius)},
+          DirectionCone::all(),
+          0,
+          kPi * square(radius) * emitted.luminance()};
 }
 
 }  // namespace etendue

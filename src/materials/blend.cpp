@@ -39,4 +39,12 @@ bool BlendBsdf::transmits() const {
   return std::visit(value, first) || std::visit(value, second);
 }
 
+Spectrum BlendBsdf::straight_through(const Vec3& wo) const {
+  const auto share = [&](const LeafBsdf& leaf) {
+    const auto* glass = std::get_if<DielectricBsdf>(&leaf);
+    return glass != nullptr ? glass->straight_through(wo) : Spectrum(0);
+  };
+  return share(first) * (1 - weight) + share(second) * weight;
+}
+
 }  // namespace etendue

@@ -49,4 +49,10 @@ Spectrum albedo(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return b.albedo(); }, bsdf);
 }
 
+Spectrum straight_through(const Bsdf& bsdf, const Vec3& wo) {
+  if (const auto* glass = std::get_if<DielectricBsdf>(&bsdf)) return glass->straight_through(wo);
+  if (const auto* blend = std::get_if<BlendBsdf>(&bsdf)) return blend->straight_through(wo);
+  return Spectrum(0);
+}
+
 }  // namespace etendue

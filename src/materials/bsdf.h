@@ -56,6 +56,8 @@ struct DielectricBsdf {
   BsdfEval eval(const Vec3&, const Vec3&, TransportMode) const { return {}; }
   std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
   Spectrum albedo() const { return boundary == Boundary::transmit_only ? transmittance : Spectrum(1); }
+  /// Share of the light from behind that a thin pane lets straight through to wo.
+  Spectrum straight_through(const Vec3& wo) const;
   static constexpr bool is_delta() { return true; }
   static constexpr bool transmits() { return true; }
 };
@@ -131,6 +133,7 @@ struct BlendBsdf {
   Spectrum albedo() const;
   bool is_delta() const;
   bool transmits() const;
+  Spectrum straight_through(const Vec3& wo) const;
 };
 
 using Bsdf = BsdfVariant<BlendBsdf>;
@@ -143,5 +146,7 @@ bool is_delta(const Bsdf& bsdf);
 /// True if eval_bsdf may be positive for directions on different sides: lights behind the surface count.
 bool transmits(const Bsdf& bsdf);
 Spectrum albedo(const Bsdf& bsdf);
+/// Share of the light from −wo that comes straight through to wo, what Lobe::straight samples: 0 but for thin panes.
+Spectrum straight_through(const Bsdf& bsdf, const Vec3& wo);
 
 }  // namespace etendue

@@ -27,7 +27,7 @@ enum class Lobe {
   diffuse_transmission,
   glossy_transmission,
   delta_transmission,
-  straight,  ///< on as if nothing were there: given by Scattering, by no BSDF
+  straight,  ///< on as if nothing were there, or through a thin pane; not scattered
 };
 
 constexpr bool is_delta(Lobe lobe) {

@@ -34,11 +34,11 @@ struct NeedsFinder {
     needs.tangents |= a != FloatSource(0.0f);
   }
 
-  void operator()(const UniformMaterial&) {}
+  void operator()(const UniformMaterial& m) { needs.passes = !straight_through(m.bsdf, {0, 0, 1}).is_black(); }
   void operator()(const DiffuseMaterial& m) { look(m.reflectance); }
   void operator()(const ConductorMaterial& m) { look(m.reflectance), widths(m.alpha_u, m.alpha_v); }
   void operator()(const SmoothConductorMaterial& m) { look(m.reflectance); }
-  void operator()(const ThinGlassMaterial& m) { look_at(m.reflectance, m.transmittance); }
+  void operator()(const ThinGlassMaterial& m) { look_at(m.reflectance, m.transmittance), needs.passes = true; }
   void operator()(const RoughGlassMaterial& m) {
     look_at(m.reflectance, m.transmittance), widths(m.alpha_u, m.alpha_v);
   }
@@ -185,7 +185,7 @@ class MaterialEvaluator {
   /// Seen from behind, the frame is mirrored.
   void enter_surface(const TwoSidedMaterial& m) {
     const bool from_behind = dot(out_.wo_, out_.frame_.n) < 0;
-    if (from_behind) out_.frame_.n = -out_.frame_.n;
+    if (from_behind) out_.frame_.n = -out_.frame_.n, out_.unmapped_normal_ = -out_.unmapped_normal_;
     enter(from_behind ? m.back : m.front);
   }
   void enter_surface(const BlendMaterial& m) {
@@ -213,28 +213,32 @@ class MaterialEvaluator {
     const Vec3 du = dp_du + n * (slope.x - dot(n, dp_du)), dv = dp_dv + n * (slope.y - dot(n, dp_dv));
     Vec3 tilted = cross(du, dv);
     if (dot(tilted, n) < 0) tilted = -tilted;
-    tilt(tilted, dp_du);
+    tilt(tilted, dp_du, m.handling);
     enter(m.inner);
   }
   void enter_surface(const NormalMapMaterial& m) {
     const Spectrum c = evaluate_texture(textures_, m.normals, point_.texture);
-    tilt(out_.frame_.to_world({2 * c.r - 1, 2 * c.g - 1, 2 * c.b - 1}), out_.frame_.s);
+    tilt(out_.frame_.to_world({2 * c.r - 1, 2 * c.g - 1, 2 * c.b - 1}), out_.frame_.s, m.handling);
     enter(m.inner);
   }
 
-  /// Replaces the frame by one about `normal` (any length, world). A normal that would show the viewer the other side
-  /// is turned about the old one until it does not.
-  void tilt(const Vec3& normal, const Vec3& tangent) {
+  /// Replaces the frame by one about `normal` (any length, world).
+  void tilt(const Vec3& normal, const Vec3& tangent, const scene::TiltHandling& handling) {
     const float l = length(normal);
     if (!(l > 0) || !std::isfinite(l)) return;
     const Vec3 old = out_.frame_.n;
     Vec3 n = normal * (1 / l);
-    if (dot(old, out_.wo_) * dot(n, out_.wo_) <= 0) n = old * (2 * dot(n, old)) - n;
+    if (handling.turn_back && dot(old, out_.wo_) * dot(n, out_.wo_) <= 0) n = old * (2 * dot(n, old)) - n;
     out_.unmapped_normal_ = old;
     out_.mapped_ = true;
-    const float cos2 = square(dot(n, old));
-    out_.bump_alpha2_ = cos2 > 0 ? std::min(0.125f * std::max(0.0f, 1 - cos2) / cos2, 1.0f) : 1.0f;
+    out_.bump_alpha2_ = handling.cast_shadows ? shadow_alpha2(dot(n, old)) : 0;
     out_.frame_ = Frame::from_normal_and_tangent(n, tangent);
+  }
+
+  /// Of bumps whose normals are tilted by this cosine (Estevez, Lecocq and Stellios 2019, eq. 2).
+  static float shadow_alpha2(float cosine) {
+    const float cos2 = square(cosine);
+    return cos2 > 0 ? std::min(0.125f * std::max(0.0f, 1 - cos2) / cos2, 1.0f) : 1.0f;
   }
 
   static std::optional<LeafBsdf> leaf(const Bsdf& bsdf) {

@@ -10,6 +10,7 @@
 #include "materials/bsdf.h"
 #include "materials/texture.h"
 #include "math/frame.h"
+#include "scene/scene.h"
 
 namespace etendue {
 
@@ -73,10 +74,12 @@ struct BumpMaterial {
   std::uint32_t inner;
   std::uint32_t height;  ///< texture
   float scale;
+  scene::TiltHandling handling = {};
 };
 struct NormalMapMaterial {
   std::uint32_t inner;
   std::uint32_t normals;  ///< texture
+  scene::TiltHandling handling = {};
 };
 
 /// What a surface is made of, compiled. Those that name others (blend, mask, …) do so by index into Materials.
@@ -89,7 +92,7 @@ struct Material {
   bool one_sided = false;              ///< black from behind
   bool needs_texture_point = false;    ///< scatter() looks at the texture coordinates
   bool needs_tangents = false;         ///< scatter() looks at the tangents
-  bool may_pass = false;               ///< light may go through as if nothing were there (null, mask)
+  bool may_pass = false;               ///< light may go straight through (null, mask, thin glass)
 };
 using Materials = std::vector<Material>;
 
@@ -120,6 +123,10 @@ class Scattering {
   const Vec3& normal() const { return frame_.n; }
   /// Probability that the surface is there at all.
   float opacity() const { return opacity_; }
+  /// Share of the light from behind that comes straight through: what Lobe::straight samples.
+  Spectrum straight_through() const {
+    return Spectrum(1 - opacity_) + etendue::straight_through(bsdf(), wo_local_) * opacity_;
+  }
 
  private:
   friend class MaterialEvaluator;

@@ -49,10 +49,15 @@ std::optional<BsdfSample> DielectricBsdf::sample(const Vec3& wo, Vec2, float cho
   if (choice < probability)
     return BsdfSample{reflected(wo), reflectance * (share / probability), 0, Lobe::delta_reflection};
   const Spectrum transmitted = transmittance * ((1 - share) / (1 - probability));
-  if (thin) return BsdfSample{-wo, transmitted, 0, Lobe::delta_transmission};
+  if (thin) return BsdfSample{-wo, transmitted, 0, Lobe::straight};
   const std::optional<Vec3> wi = refracted(wo, eta);
   if (!wi) return std::nullopt;
   return BsdfSample{*wi, transmitted * radiance_scale(eta, mode), 0, Lobe::delta_transmission, eta};
+}
+
+Spectrum DielectricBsdf::straight_through(const Vec3& wo) const {
+  if (boundary != Boundary::thin) return Spectrum(0);
+  return transmittance * (1 - reflected_share(boundary, std::abs(wo.z), ior));
 }
 
 }  // namespace etendue

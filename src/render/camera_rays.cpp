@@ -52,8 +52,8 @@ void CameraRays::generate(const PixelSampler& sampler, int x, int y, std::uint32
   }
 }
 
-void CameraRays::describe(const Ray& ray, const RayHit& hit, const SurfaceHit& surface, PixelSample& sample) const {
-  sample.depth = -dot(ray.direction, camera_.to_world.z) * hit.t;
+void CameraRays::describe(const Ray& ray, const SurfaceHit& surface, PixelSample& sample) const {
+  sample.depth = dot(camera_.to_world.origin - surface.position, camera_.to_world.z);
   sample.normal = dot(surface.shading_normal, ray.direction) > 0 ? -surface.shading_normal : surface.shading_normal;
 }
 

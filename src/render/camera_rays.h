@@ -21,7 +21,7 @@ class CameraRays {
   void generate(const PixelSampler& sampler, int x, int y, std::uint32_t first, std::span<Ray> rays,
                 std::span<PixelSample> samples) const;
   /// What the film remembers of the first surface.
-  void describe(const Ray& ray, const RayHit& hit, const SurfaceHit& surface, PixelSample& sample) const;
+  void describe(const Ray& ray, const SurfaceHit& surface, PixelSample& sample) const;
 
  private:
   const RenderScene::Data& scene_;

@@ -27,7 +27,7 @@ std::uint64_t DebugIntegrator::estimate(int x, int y, std::uint32_t first, std::
   for (std::size_t i = 0; i < count; ++i) {
     if (!hits[i].found()) continue;
     const Vertex vertex = find_vertex(scene_, rays[i], hits[i]);
-    camera_rays_.describe(rays[i], hits[i], vertex.surface, samples[i]);
+    camera_rays_.describe(rays[i], vertex.surface, samples[i]);
     samples[i].albedo = vertex.scattering.albedo();
     const Vec3 n = samples[i].normal;
     if (settings_.integrator == IntegratorKind::albedo) {

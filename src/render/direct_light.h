@@ -20,17 +20,24 @@ inline Ray shadow_ray(const Point3& start, const Point3& from, const LightSample
   return {start, d * (1 / distance), 0, distance};
 }
 
-/// Shadow rays to one light: how many a vertex sends and how probable it is that it sends any.
-struct LightPlan {
-  int samples = 1;
-  float choice = 1;
-  float density() const { return static_cast<float>(samples) * choice; }
-};
+/// How many samples of a light a vertex takes if it asks every light: `light_samples`, but no more than one of a light
+/// that looks the same to all of them.
+inline int samples_of_light(const RenderScene::Data& scene, int light_samples, std::uint32_t light) {
+  return is_delta(scene.lights[light]) ? 1 : light_samples;
+}
 
-/// `light_samples`: per light and vertex; 0: one of one light, chosen by power.
-inline LightPlan plan_light(const RenderScene::Data& scene, int light_samples, std::uint32_t light) {
-  if (light_samples == 0) return {1, scene.light_choice.probability(light)};
-  return {is_delta(scene.lights[light]) ? 1 : light_samples, 1};
+/// How many samples a vertex at `at` is expected to take of a light's part. `light_samples`: per light; 0: it takes one
+/// of one part, chosen where it is.
+inline float light_density(const RenderScene::Data& scene, int light_samples, const Receiver& at, std::uint32_t light,
+                           std::uint32_t part) {
+  if (light_samples == 0) return scene.light_choice.probability(at, light, part);
+  return static_cast<float>(samples_of_light(scene, light_samples, light)) *
+         part_probability(scene.lights[light], part);
+}
+
+/// A uniform number in [0, 1) of 48 random bits, from two of the sampler's.
+inline double fine_uniform(Vec2 u) {
+  return static_cast<double>(u.x) + static_cast<double>(u.y) * 0x1p-24;
 }
 
 }  // namespace etendue

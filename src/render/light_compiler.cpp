@@ -24,7 +24,7 @@ class LightCompiler {
     for (std::uint32_t shape = 0; shape < data_.shapes.size(); ++shape) shine(shape);
     for (const scene::Light& light : scene_.lights) add(light);
     if (options_.light_for) add(options_.light_for(data_.geometry.bounds()));
-    choose_by_power();
+    data_.light_choice = LightChooser(data_.lights, data_.geometry.bounds());
   }
 
  private:
@@ -33,7 +33,6 @@ class LightCompiler {
   void add_rectangle(const scene::Light& light, const Spectrum& radiance);
   std::optional<Light> without_surface(const scene::Light& light);
   std::optional<Light> environment(const scene::EnvironmentLight& source, const scene::Light& light);
-  void choose_by_power();
 
   const scene::SceneDescription& scene_;
   const CompileOptions& options_;
@@ -116,7 +115,8 @@ std::optional<Light> LightCompiler::environment(const scene::EnvironmentLight& s
     out.axes = {x, y, z};
     out.turned = x != Vec3(1, 0, 0) || y != Vec3(0, 1, 0) || z != Vec3(0, 0, 1);
   }
-  out.distribution = TexelDistribution(lookup_means(out.map, out.orientation.rows()));
+  // All who sample it weigh the samples with those of the BSDF or phase function (direct_light.h).
+  out.distribution = TexelDistribution(compensated(lookup_means(out.map, out.orientation.rows())));
   return out;
 }
 
@@ -183,19 +183,6 @@ void LightCompiler::add(const scene::Light& light) {
   if (!compiled) return;
   if (is_infinite(*compiled)) data_.infinite_lights.push_back(static_cast<std::uint32_t>(data_.lights.size()));
   data_.lights.push_back(std::move(*compiled));
-}
-
-void LightCompiler::choose_by_power() {
-  if (data_.lights.empty()) return;
-  std::vector<double> power;
-  double total = 0;
-  for (const Light& light : data_.lights) {
-    power.push_back(light_power(light, data_.geometry.bounds()));
-    total += power.back();
-  }
-  // Half of the choices ignore power: a weak light may be the only one that matters where it stands.
-  for (double& p : power) p = 0.5 * p + 0.5 * total / static_cast<double>(power.size());
-  data_.light_choice = DiscreteDistribution(power);
 }
 
 }  // namespace

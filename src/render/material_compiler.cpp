@@ -181,10 +181,10 @@ class MaterialCompiler {
   }
   Material compile(const scene::TwoSidedMaterial& m) const { return {TwoSidedMaterial{m.front.index, m.back.index}}; }
   Material compile(const scene::BumpMaterial& m) const {
-    return {BumpMaterial{m.inner.index, m.height.index, m.scale}};
+    return {BumpMaterial{m.inner.index, m.height.index, m.scale, m.handling}};
   }
   Material compile(const scene::NormalMapMaterial& m) const {
-    return {NormalMapMaterial{m.inner.index, m.normals.index}};
+    return {NormalMapMaterial{m.inner.index, m.normals.index, m.handling}};
   }
 
   /// Rough ones are tabulated, which takes many milliseconds: materials that have the same share it.

@@ -15,8 +15,10 @@ namespace {
 
 constexpr int kBatch = Geometry::kBatch;
 
-/// Paths shorter than this are never ended by roulette.
+/// Paths of fewer bounces than this are never ended by roulette, …
 constexpr int kRouletteStart = 5;
+/// … unless they passed straight through very many surfaces.
+constexpr int kManySegments = 1000;
 constexpr float kMaxSurvival = 0.99f;
 
 }  // namespace
@@ -25,9 +27,9 @@ constexpr float kMaxSurvival = 0.99f;
 struct PathIntegrator::Path {
   Ray ray;
   Spectrum throughput{1};
-  float pdf_bsdf = 0;   ///< of the ray's direction; 0: only this ray finds what it meets (camera, delta lobe)
-  Point3 scattered_at;  ///< where that direction was chosen: the ray's origin, or before surfaces that it passed
-                        ///< straight through
+  float pdf_bsdf = 0;     ///< of the ray's direction; 0: only this ray finds what it meets (camera, delta lobe)
+  Receiver scattered_at;  ///< where that direction was chosen: the ray's origin, or before surfaces that it passed
+                          ///< straight through
   float eta_scale =
       1;          ///< product of eta² along the path: what refraction did to the throughput is no reason to end it
   int depth = 0;  ///< bounces so far
@@ -51,6 +53,7 @@ class PathIntegrator::Batch {
   std::uint64_t run() {
     for (int bounce = 0; active_count_ > 0; ++bounce) {
       if (bounce > 0) intersect();
+      if (self_.settings_.hide_emitters) look_behind_lights(bounce);
       arrive(bounce);
       if (self_.hemisphere_)
         sample_hemisphere(bounce);
@@ -64,6 +67,7 @@ class PathIntegrator::Batch {
  private:
   void start(int x, int y);
   void intersect();
+  void look_behind_lights(int bounce);
   void arrive(int bounce);
   void sample_lights(int bounce);
   void sample_one_light(int bounce);
@@ -78,13 +82,20 @@ class PathIntegrator::Batch {
     return (std::uint64_t{first_} + static_cast<std::uint64_t>(i)) * static_cast<std::uint64_t>(samples);
   }
   void aim_at(std::uint32_t light);
-  void aim(int i, const LightSample& sample, const LightPlan& plan);
+  void aim(int i, const LightSample& sample, float density);
   void flush_shadow_rays();
-  float transmittance(Ray ray, int most_surfaces);
+  Spectrum transmittance(Ray ray, int most_surfaces);
+  /// How many surfaces a shadow ray of path i may pass straight through. Where passing is a bounce, light of no size is
+  /// not found by it, as in Mitsuba's path tracer.
+  int most_surfaces_passed(int i, bool is_delta) const {
+    if (!self_.settings_.null_counts_as_bounce) return kUnlimitedDepth;
+    return is_delta ? 0 : self_.settings_.max_depth - paths_[i].depth - 1;
+  }
   Spectrum emission_along(Ray ray);
-  bool counts_emission(const Path& path) const {
-    if (path.from_camera && self_.settings_.hide_emitters) return false;
-    return !self_.hemisphere_ || path.pdf_bsdf == 0;
+  bool counts_emission(const Path& path) const { return !self_.hemisphere_ || path.pdf_bsdf == 0; }
+  /// Whether a path that goes straight on uses up nothing.
+  bool may_pass_freely(const Vertex& vertex) const {
+    return !self_.settings_.null_counts_as_bounce && !vertex.scattering.straight_through().is_black();
   }
   /// Whether path i may be scattered once more. Passing straight on is another matter.
   bool may_bounce(int i) const { return paths_[i].depth < self_.settings_.max_depth; }
@@ -111,13 +122,15 @@ class PathIntegrator::Batch {
     int path[kBatch];
     Point3 from[kBatch];
     Vec2 u[kBatch];
-    float part[kBatch];
+    std::uint32_t part[kBatch];
+    float density[kBatch];  ///< how many samples a vertex is expected to take of that part
 
-    void add(int i, const Point3& lit, const Vec2& position, float which) {
+    void add(int i, const Point3& lit, const Vec2& position, std::uint32_t which, float expected) {
       path[count] = i;
       from[count] = lit;
       u[count] = position;
-      part[count++] = which;
+      part[count] = which;
+      density[count++] = expected;
     }
   };
   Aims aims_;
@@ -125,6 +138,7 @@ class PathIntegrator::Batch {
   Ray shadow_rays_[kBatch];
   Spectrum shadow_radiance_[kBatch];
   int shadow_path_[kBatch];
+  int shadow_may_pass_[kBatch];  ///< so many surfaces
   int shadow_count_ = 0;
 };
 
@@ -144,6 +158,19 @@ void PathIntegrator::Batch::intersect() {
   rays_ += active_count_;
 }
 
+/// The camera sees neither the lights that it is not to see nor their shapes. Where passing a surface is a bounce, what
+/// lies behind one is not seen directly.
+void PathIntegrator::Batch::look_behind_lights(int bounce) {
+  for (int a = 0; a < active_count_; ++a) {
+    const int i = active_[a];
+    if (!paths_[i].from_camera || (bounce > 0 && self_.settings_.null_counts_as_bounce)) continue;
+    const Meeting behind = behind_lights(scene_, paths_[i].ray, hits_[i]);
+    paths_[i].ray = behind.ray;
+    hits_[i] = behind.hit;
+    rays_ += static_cast<std::uint64_t>(behind.rays);
+  }
+}
+
 /// What the paths that met nothing see.
 void PathIntegrator::Batch::see_infinity() {
   if (scene_.infinite_lights.empty()) return;
@@ -153,6 +180,7 @@ void PathIntegrator::Batch::see_infinity() {
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];
     if (hits_[i].found() || !counts_emission(paths_[i])) continue;
+    if (paths_[i].from_camera && self_.settings_.hide_emitters) continue;
     path[n] = i;
     wi[n++] = paths_[i].ray.direction;
   }
@@ -162,7 +190,8 @@ void PathIntegrator::Batch::see_infinity() {
     look_at_infinity(scene_.lights[light], std::span<const Vec3>(wi, n), std::span(views, n));
     for (std::size_t j = 0; j < n; ++j) {
       const Path& p = paths_[path[j]];
-      const float weight = p.pdf_bsdf > 0 ? mis_weight(p.pdf_bsdf, views[j].pdf * self_.plan(light).density()) : 1.0f;
+      const float weight =
+          p.pdf_bsdf > 0 ? mis_weight(p.pdf_bsdf, views[j].pdf * self_.light_density(p.scattered_at, light, 0)) : 1.0f;
       samples_[path[j]].radiance += p.throughput * views[j].radiance * weight;
     }
   }
@@ -174,8 +203,10 @@ void PathIntegrator::Batch::see_emission(int i) {
   if (!counts_emission(path)) return;
   float weight = 1;
   if (path.pdf_bsdf > 0) {
-    const float pdf = light_pdf(scene_.lights[vertex.light], path.scattered_at, vertex.light_hit);
-    weight = mis_weight(path.pdf_bsdf, pdf * self_.plan(vertex.light).density());
+    const Light& light = scene_.lights[vertex.light];
+    const float pdf = light_pdf(light, path.scattered_at.position, vertex.light_hit);
+    const float density = self_.light_density(path.scattered_at, vertex.light, part_at(light, vertex.light_hit));
+    weight = mis_weight(path.pdf_bsdf, pdf * density);
   }
   samples_[i].radiance += path.throughput * vertex.emission * weight;
 }
@@ -190,11 +221,10 @@ void PathIntegrator::Batch::arrive(int bounce) {
     ::new (&vertex) Vertex(find_vertex(scene_, paths_[i].ray, hits_[i]));  // made where it stays: it is large
     if (vertex.light != kNone) see_emission(i);
     if (bounce == 0) {
-      self_.camera_rays_.describe(paths_[i].ray, hits_[i], vertex.surface, samples_[i]);
+      self_.camera_rays_.describe(paths_[i].ray, vertex.surface, samples_[i]);
       samples_[i].albedo = vertex.scattering.albedo();
     }
-    const bool may_pass = vertex.scattering.opacity() < 1 && !self_.settings_.null_counts_as_bounce;
-    if (may_bounce(i) || may_pass) active_[kept++] = i;
+    if (may_bounce(i) || may_pass_freely(vertex)) active_[kept++] = i;
   }
   active_count_ = kept;
 }
@@ -202,40 +232,40 @@ void PathIntegrator::Batch::arrive(int bounce) {
 void PathIntegrator::Batch::aim_at(std::uint32_t light) {
   const auto n = static_cast<std::size_t>(aims_.count);
   std::optional<LightSample> samples[kBatch];
-  sample_light(scene_.lights[light], std::span<const Point3>(aims_.from, n), std::span<const Vec2>(aims_.u, n),
-               std::span<const float>(aims_.part, n), std::span(samples, n));
-  const LightPlan plan = self_.plan(light);
+  sample_light(scene_.lights[light], std::span<const std::uint32_t>(aims_.part, n),
+               std::span<const Point3>(aims_.from, n), std::span<const Vec2>(aims_.u, n), std::span(samples, n));
   for (std::size_t j = 0; j < n; ++j)
-    if (samples[j]) aim(aims_.path[j], *samples[j], plan);
+    if (samples[j]) aim(aims_.path[j], *samples[j], aims_.density[j]);
   aims_.count = 0;
 }
 
 /// Prepares the shadow ray of path i to a point of a light; it is traced when a packet is full.
-void PathIntegrator::Batch::aim(int i, const LightSample& sample, const LightPlan& plan) {
+void PathIntegrator::Batch::aim(int i, const LightSample& sample, float density) {
   const Vertex& vertex = vertices_[i];
   const Vec3& ng = vertex.surface.geometric_normal;
   const bool same_side = dot(sample.wi, ng) * dot(vertex.wo, ng) > 0;
   if (!same_side && !vertex.scattering.transmits()) return;
   const BsdfEval eval = vertex.scattering.eval(sample.wi);
   if (eval.f_cos.is_black()) return;
-  const float pdf = sample.pdf * plan.density();
+  const float pdf = sample.pdf * density;
   const float weight = sample.is_delta ? 1.0f : mis_weight(pdf, eval.pdf);
   shadow_radiance_[shadow_count_] = paths_[i].throughput * eval.f_cos * sample.radiance * (weight / pdf);
   shadow_rays_[shadow_count_] = shadow_ray(offset_origin(vertex.surface, sample.wi), vertex.surface.position, sample);
   shadow_path_[shadow_count_] = i;
+  shadow_may_pass_[shadow_count_] = most_surfaces_passed(i, sample.is_delta);
   if (++shadow_count_ == kBatch) flush_shadow_rays();
 }
 
-/// Share of light that gets along `ray` through at most so many masks and null boundaries.
-float PathIntegrator::Batch::transmittance(Ray ray, int most_surfaces) {
-  float share = 1;
+/// Share of light that gets along `ray` straight through at most so many surfaces.
+Spectrum PathIntegrator::Batch::transmittance(Ray ray, int most_surfaces) {
+  Spectrum share(1);
   while (true) {
     const RayHit hit = scene_.geometry.intersect(ray);
     ++rays_;
     if (!hit.found()) return share;
-    if (most_surfaces-- == 0) return 0;
+    if (most_surfaces-- == 0) return Spectrum(0);
     share *= pass_through(scene_, ray, hit);
-    if (share == 0) return 0;
+    if (share.is_black()) return share;
     ray = straight_on(scene_, ray, hit);
   }
 }
@@ -245,14 +275,10 @@ void PathIntegrator::Batch::flush_shadow_rays() {
   const std::uint32_t blocked = scene_.geometry.occluded(std::span<const Ray>(shadow_rays_, shadow_count_));
   for (int s = 0; s < shadow_count_; ++s) {
     const int i = shadow_path_[s];
-    float share = 1;
-    if ((blocked >> s & 1u) != 0) {
-      if (!scene_.may_pass) continue;
-      const int left =
-          self_.settings_.null_counts_as_bounce ? self_.settings_.max_depth - paths_[i].depth - 1 : kUnlimitedDepth;
-      share = transmittance(shadow_rays_[s], left);
-    }
-    samples_[i].radiance += shadow_radiance_[s] * share;
+    if ((blocked >> s & 1u) == 0)
+      samples_[i].radiance += shadow_radiance_[s];
+    else if (scene_.may_pass && shadow_may_pass_[s] > 0)
+      samples_[i].radiance += shadow_radiance_[s] * transmittance(shadow_rays_[s], shadow_may_pass_[s]);
   }
   rays_ += shadow_count_;
   shadow_count_ = 0;
@@ -271,53 +297,64 @@ void PathIntegrator::Batch::sample_lights(int bounce) {
 // for the memory of an environment map, so do the next.
 
 void PathIntegrator::Batch::sample_light_for_all(int bounce, std::uint32_t light) {
-  const LightPlan plan = self_.plan(light);
+  const int samples = samples_of_light(scene_, self_.settings_.light_samples, light);
   float x[kBatch], y[kBatch], part[kBatch] = {}, unused[kBatch];
   // Sample j of path i is number (first + i) · samples + j of one sequence: well spread over the light across all of
   // them.
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];
     if (!seeks_lights(i)) continue;
-    for (std::int64_t done = 0; done < plan.samples; done += kBatch) {
-      const auto n = static_cast<int>(std::min<std::int64_t>(kBatch, plan.samples - done));
-      const std::uint64_t index = sample_number(i, plan.samples) + done;
+    for (std::int64_t done = 0; done < samples; done += kBatch) {
+      const auto n = static_cast<int>(std::min<std::int64_t>(kBatch, samples - done));
+      const std::uint64_t index = sample_number(i, samples) + done;
       sampler_.points(dimension::at(bounce, dimension::position(light)), index, n, x, y);
-      if (has_parts(scene_.lights[light]))
+      if (part_count(scene_.lights[light]) > 1)
         sampler_.points(dimension::at(bounce, dimension::part(light)), index, n, part, unused);
-      for (int j = 0; j < n; ++j) aims_.add(i, vertices_[i].surface.position, {x[j], y[j]}, part[j]);
+      for (int j = 0; j < n; ++j) {
+        const PartChoice chosen = choose_part(scene_.lights[light], part[j]);
+        aims_.add(i, vertices_[i].surface.position, {x[j], y[j]}, chosen.part,
+                  static_cast<float>(samples) * chosen.probability);
+      }
       aim_at(light);
     }
   }
 }
 
 void PathIntegrator::Batch::sample_one_light(int bounce) {
-  float choice[kBatch] = {}, part[kBatch] = {}, x[kBatch], y[kBatch];
-  if (scene_.lights.size() > 1 || has_parts(scene_.lights[0]))
-    sampler_.points(dimension::at(bounce, dimension::kLightChoice), first_, count_, choice, part);
+  float choice[kBatch] = {}, more[kBatch] = {}, x[kBatch], y[kBatch];
+  if (!scene_.light_choice.is_certain())
+    sampler_.points(dimension::at(bounce, dimension::kLightChoice), first_, count_, choice, more);
   sampler_.points(dimension::at(bounce, dimension::position(0)), first_, count_, x, y);
-  std::uint32_t chosen[kBatch];
-  std::uint32_t waiting = 0;  // bit i: path i has a light still to be asked
+  Receiver at[kBatch];
+  double u[kBatch];
+  std::optional<LightChooser::Choice> chosen[kBatch];
+  int seeking[kBatch];
+  std::size_t n = 0;
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];
     if (!seeks_lights(i)) continue;
-    chosen[i] = static_cast<std::uint32_t>(scene_.light_choice.sample(choice[i]).index);
-    waiting |= 1u << i;
+    at[n] = receiver(vertices_[i]);
+    u[n] = fine_uniform({choice[i], more[i]});
+    seeking[n++] = i;
   }
+  scene_.light_choice.sample(std::span<const Receiver>(at, n), std::span<const double>(u, n), std::span(chosen, n));
+  std::uint32_t waiting = 0;  // bit j: of those who seek, the j-th has a light still to be asked
+  for (std::size_t j = 0; j < n; ++j) waiting |= chosen[j] ? 1u << j : 0u;
   while (waiting != 0) {
-    const std::uint32_t light = chosen[std::countr_zero(waiting)];
-    for (int i = 0; i < count_; ++i) {
-      if ((waiting >> i & 1u) == 0 || chosen[i] != light) continue;
-      aims_.add(i, vertices_[i].surface.position, {x[i], y[i]}, part[i]);
-      waiting &= ~(1u << i);
+    const std::uint32_t light = chosen[std::countr_zero(waiting)]->light;
+    for (std::size_t j = 0; j < n; ++j) {
+      if ((waiting >> j & 1u) == 0 || chosen[j]->light != light) continue;
+      const int i = seeking[j];
+      aims_.add(i, vertices_[i].surface.position, {x[i], y[i]}, chosen[j]->part, chosen[j]->probability);
+      waiting &= ~(1u << j);
     }
     aim_at(light);
   }
 }
 
 Spectrum PathIntegrator::Batch::emission_along(Ray ray) {
-  Spectrum radiance;
-  float share = 1;
-  while (share > 0) {
+  Spectrum radiance, share(1);
+  while (!share.is_black()) {
     const RayHit hit = scene_.geometry.intersect(ray);
     ++rays_;
     if (!hit.found()) {
@@ -373,12 +410,12 @@ void PathIntegrator::Batch::scatter(int bounce) {
       if (!may_bounce(i)) continue;
       path.depth += 1;
       path.pdf_bsdf = sample->pdf;
-      path.scattered_at = vertex.surface.position;
+      path.scattered_at = receiver(vertex);
       path.from_camera = false;
     }
     path.throughput *= sample->weight;
     path.eta_scale *= square(sample->eta);
-    if (bounce + 1 >= kRouletteStart) {
+    if (path.depth >= kRouletteStart || bounce >= kManySegments) {
       const float survival = std::min(path.throughput.max() * path.eta_scale, kMaxSurvival);
       if (roulette[i] >= survival) continue;
       path.throughput *= 1 / survival;
@@ -399,8 +436,8 @@ PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& cam
   if (settings.integrator == IntegratorKind::direct) settings_.max_depth = std::min(settings.max_depth, 1);
 }
 
-LightPlan PathIntegrator::plan(std::uint32_t light) const {
-  return plan_light(scene_, settings_.light_samples, light);
+float PathIntegrator::light_density(const Receiver& at, std::uint32_t light, std::uint32_t part) const {
+  return etendue::light_density(scene_, settings_.light_samples, at, light, part);
 }
 
 std::uint64_t PathIntegrator::estimate(int x, int y, std::uint32_t first, std::span<PixelSample> samples) const {

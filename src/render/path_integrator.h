@@ -24,12 +24,12 @@ class PathIntegrator : public Integrator {
   struct Path;
   class Batch;
 
-  LightPlan plan(std::uint32_t light) const;
+  float light_density(const Receiver& at, std::uint32_t light, std::uint32_t part) const;
 
   const RenderScene::Data& scene_;
   RenderSettings settings_;
   CameraRays camera_rays_;
-  bool every_light_;  ///< each vertex asks every light; else it asks one, chosen by power
+  bool every_light_;  ///< each vertex asks every light; else it asks one
   bool hemisphere_;   ///< direct light by uniform directions
 };
 

@@ -6,10 +6,10 @@
 #include "geometry/geometry.h"
 #include "lights/area_sampler.h"
 #include "lights/light.h"
+#include "lights/light_chooser.h"
 #include "materials/material.h"
 #include "media/medium.h"
 #include "render/render_scene.h"
-#include "sampling/distribution.h"
 
 namespace etendue {
 
@@ -35,7 +35,7 @@ struct RenderScene::Data {
   std::vector<Light> lights;
   std::vector<std::uint32_t> infinite_lights;  ///< indices of the lights that rays into the void see
   bool may_pass = false;                       ///< some surface lets light through as if it were not there
-  DiscreteDistribution light_choice;           ///< by power; empty without lights
+  LightChooser light_choice;                   ///< made for these lights
   std::optional<AreaSampler> measured;         ///< the surface whose irradiance the camera measures
   double build_seconds = 0;
 };

@@ -38,8 +38,8 @@ struct RenderSettings {
   int samples_per_pixel = 64;       ///< the most a pixel gets
   int light_samples = 0;            ///< per light and vertex (point-like lights: 1); 0: one sample of one chosen light
   int max_depth = kUnlimitedDepth;  ///< bounces: 0 emitted light only, 1 direct light, …
-  bool null_counts_as_bounce = false;  ///< whether light that passes a mask or null boundary has bounced
-  bool hide_emitters = false;          ///< camera rays do not see lights
+  bool null_counts_as_bounce = false;  ///< whether light that passes a mask, null boundary or thin pane has bounced
+  bool hide_emitters = false;          ///< camera rays see neither lights nor their shapes
   IntegratorKind integrator = IntegratorKind::path;
   SamplerKind sampler = SamplerKind::sobol;
   scene::ReconstructionFilter filter;  ///< how samples near a pixel count towards it

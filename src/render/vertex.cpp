@@ -19,6 +19,12 @@ MaterialPoint material_point(const RenderScene::Data& scene, const Material& mat
 
 }  // namespace
 
+Receiver receiver(const Vertex& vertex) {
+  if (vertex.scattering.transmits()) return {vertex.surface.position};
+  const Vec3& n = vertex.surface.geometric_normal;
+  return {vertex.surface.position, dot(n, vertex.wo) < 0 ? -n : n};
+}
+
 Vertex find_vertex(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {
   const RenderScene::Data::ShapeInfo& shape = scene.shapes[hit.shape];
   const Material& material = scene.materials[shape.material];
@@ -33,12 +39,12 @@ Vertex find_vertex(const RenderScene::Data& scene, const Ray& ray, const RayHit&
   return vertex;
 }
 
-float pass_through(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {
+Spectrum pass_through(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {
   const std::uint32_t index = scene.shapes[hit.shape].material;
   const Material& material = scene.materials[index];
-  if (!material.may_pass) return 0;
+  if (!material.may_pass) return Spectrum(0);
   const MaterialPoint point = material_point(scene, material, ray, hit);
-  return 1 - scatter(scene.materials, index, scene.textures, point, -ray.direction).opacity();
+  return scatter(scene.materials, index, scene.textures, point, -ray.direction).straight_through();
 }
 
 Ray straight_on(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {
@@ -46,6 +52,16 @@ Ray straight_on(const RenderScene::Data& scene, const Ray& ray, const RayHit& hi
   Ray rest{offset_origin(surface, ray.direction), ray.direction};
   rest.t_max = ray.t_max - dot(rest.origin - ray.origin, ray.direction);  // the same end
   return rest;
+}
+
+Meeting behind_lights(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {
+  Meeting meeting{ray, hit};
+  while (meeting.hit.found() && scene.shapes[meeting.hit.shape].light != kNone) {
+    meeting.ray = straight_on(scene, meeting.ray, meeting.hit);
+    meeting.hit = scene.geometry.intersect(meeting.ray);
+    ++meeting.rays;
+  }
+  return meeting;
 }
 
 }  // namespace etendue

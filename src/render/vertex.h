@@ -14,14 +14,26 @@ struct Vertex {
   LightHit light_hit = {};      ///< where on the light
 };
 
+/// The vertex as lights see it: opaque surfaces are lit from the side of wo alone.
+Receiver receiver(const Vertex& vertex);
+
 /// What `ray` finds at `hit`.
 Vertex find_vertex(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit);
 
-/// Share of the light that passes through the surface at `hit` as if it were not there (masks, null boundaries); 0 for
-/// all others.
-float pass_through(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit);
+/// Share of the light that passes straight through the surface at `hit` (masks, null boundaries, thin glass); 0 for all
+/// others.
+Spectrum pass_through(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit);
 
 /// The rest of `ray` behind what it met.
 Ray straight_on(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit);
+
+/// A ray and what it meets.
+struct Meeting {
+  Ray ray;
+  RayHit hit;
+  int rays = 0;  ///< that were traced to find it
+};
+/// What `ray` would meet at or behind `hit` if no shape shone.
+Meeting behind_lights(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit);
 
 }  // namespace etendue

@@ -57,6 +57,7 @@ class VolumePathIntegrator::Walk {
 
  private:
   bool advance();
+  RayHit find_hit();
   bool scatter_in_medium(float t);
   bool meet_surface(const RayHit& hit);
   bool survives_roulette(float u);
@@ -67,15 +68,23 @@ class VolumePathIntegrator::Walk {
     return pdf_scatter_ > 0 ? mis_weight(pdf_scatter_ * survival_, pdf_light) : 1.0f;
   }
 
-  /// Adds direct light at `from`; view(wi) gives what is scattered of light from there, or nothing, as
+  /// Adds direct light at a place; view(wi) gives what is scattered of light from there, or nothing, as
   /// std::optional<LitView>.
   template <typename View>
-  void add_direct_light(const Point3& from, const View& view);
+  void add_direct_light(const Receiver& at, const View& view);
   template <typename View>
-  void add_light(std::uint32_t light, Vec2 u, float part, const Point3& from, const View& view);
-  Transmittance passage(Ray ray, std::uint32_t medium, const Spectrum& throughput);
+  void add_light(const LightChooser::Choice& chosen, Vec2 u, const Point3& from, const View& view);
+  Transmittance passage(Ray ray, int most_surfaces, std::uint32_t medium, const Spectrum& throughput);
+  /// How many surfaces a shadow ray may pass straight through. Where passing is a bounce, light of no size is not found
+  /// by it, as in Mitsuba's path tracer.
+  int most_surfaces_passed(bool is_delta) const {
+    if (!settings_.null_counts_as_bounce) return kUnlimitedDepth;
+    return is_delta ? 0 : settings_.max_depth - depth_ - 1;
+  }
 
-  LightPlan plan(std::uint32_t light) const { return plan_light(scene_, settings_.light_samples, light); }
+  float density_where_scattered(std::uint32_t light, std::uint32_t part) const {
+    return pdf_scatter_ > 0 ? light_density(scene_, settings_.light_samples, scattered_at_, light, part) : 0.0f;
+  }
   RayHit intersect(const Ray& ray) {
     ++rays_;
     return scene_.geometry.intersect(ray);
@@ -88,6 +97,8 @@ class VolumePathIntegrator::Walk {
   }
   bool may_bounce() const { return depth_ < settings_.max_depth; }
   bool hides_emitters() const { return from_camera_ && settings_.hide_emitters; }
+  /// Where passing a surface is a bounce, what lies behind one is not seen directly.
+  bool hides_shining_shapes() const { return hides_emitters() && (segment_ == 0 || !settings_.null_counts_as_bounce); }
 
   const RenderScene::Data& scene_;
   const RenderSettings& settings_;
@@ -103,7 +114,7 @@ class VolumePathIntegrator::Walk {
   Spectrum throughput_{1};
   float pdf_scatter_ = 0;  ///< of the direction chosen last; 0: only this ray finds what it meets (camera, delta lobe)
   float survival_ = 1;     ///< as Transmittance has it, since then
-  Point3 scattered_at_;    ///< where that direction was chosen
+  Receiver scattered_at_;  ///< where that direction was chosen
   float eta_scale_ =
       1;           ///< product of eta² along the path: what refraction did to the throughput is no reason to end it
   int depth_ = 0;  ///< bounces so far
@@ -111,9 +122,20 @@ class VolumePathIntegrator::Walk {
   bool from_camera_ = true;  ///< has not been scattered yet
 };
 
+/// What the ray meets. The camera sees neither the lights that it is not to see nor, where no medium surrounds it,
+/// their shapes.
+RayHit VolumePathIntegrator::Walk::find_hit() {
+  const RayHit hit = intersect(ray_);
+  if (!hides_shining_shapes() || medium_ != kNone) return hit;
+  const Meeting behind = behind_lights(scene_, ray_, hit);
+  ray_ = behind.ray;
+  rays_ += static_cast<std::uint64_t>(behind.rays);
+  return behind.hit;
+}
+
 /// Follows the ray to where the path goes on. False: it does not.
 bool VolumePathIntegrator::Walk::advance() {
-  const RayHit hit = intersect(ray_);
+  const RayHit hit = find_hit();
   random_ = RandomStream(random_point(dimension::kTracking));
   if (medium_ != kNone) {
     Ray way = ray_;
@@ -134,14 +156,14 @@ bool VolumePathIntegrator::Walk::scatter_in_medium(float t) {
   const Point3 position = ray_.at(t);
   const Vec3 wo = -ray_.direction;
   const Phase& phase = scene_.media[medium_].phase();
-  add_direct_light(position, [&](const Vec3& wi) -> std::optional<LitView> {
+  add_direct_light({position}, [&](const Vec3& wi) -> std::optional<LitView> {
     const float value = eval_phase(phase, wo, wi);
     return LitView{{Spectrum(value), value}, position, medium_};
   });
   const PhaseSample next = sample_phase(phase, wo, random_point(dimension::kDirection));
   pdf_scatter_ = next.pdf;
   survival_ = 1;
-  scattered_at_ = position;
+  scattered_at_ = {position};
   from_camera_ = false;
   ++depth_;
   ray_ = {position, next.wi};
@@ -155,14 +177,15 @@ bool VolumePathIntegrator::Walk::meet_surface(const RayHit& hit) {
   const Vec3& ng = vertex.surface.geometric_normal;
   if (vertex.light != kNone) see_emission(vertex);
   if (segment_ == 0) {
-    camera_rays_.describe(ray_, hit, vertex.surface, sample_);
+    camera_rays_.describe(ray_, vertex.surface, sample_);
     sample_.albedo = scattering.albedo();
   }
-  const bool may_pass = scattering.opacity() < 1 && !settings_.null_counts_as_bounce;
-  if (!may_bounce() && !may_pass) return false;
+  const Spectrum straight = scattering.straight_through();
+  const bool may_pass_freely = !straight.is_black() && !settings_.null_counts_as_bounce;
+  if (!may_bounce() && !may_pass_freely) return false;
   if (may_bounce() && !scattering.is_delta()) {
     const Point3 from = offset_origin(vertex.surface, vertex.wo);
-    add_direct_light(from, [&](const Vec3& wi) -> std::optional<LitView> {
+    add_direct_light({from, receiver(vertex).normal}, [&](const Vec3& wi) -> std::optional<LitView> {
       const bool same_side = dot(wi, ng) * dot(vertex.wo, ng) > 0;
       if (!same_side && !scattering.transmits()) return std::nullopt;
       return LitView{scattering.eval(wi), same_side ? from : offset_origin(vertex.surface, wi),
@@ -174,13 +197,13 @@ bool VolumePathIntegrator::Walk::meet_surface(const RayHit& hit) {
   if (!sample) return false;
   const Point3 start = offset_origin(vertex.surface, sample->wi);
   if (sample->lobe == Lobe::straight) {
-    survival_ *= 1 - scattering.opacity();
+    survival_ *= straight.max();
     depth_ += settings_.null_counts_as_bounce ? 1 : 0;
   } else {
     if (!may_bounce()) return false;
     pdf_scatter_ = sample->pdf;
     survival_ = 1;
-    scattered_at_ = start;
+    scattered_at_ = {start, receiver(vertex).normal};
     from_camera_ = false;
     ++depth_;
   }
@@ -203,57 +226,63 @@ void VolumePathIntegrator::Walk::see_infinity() {
   if (hides_emitters()) return;
   for (const std::uint32_t light : scene_.infinite_lights) {
     const InfiniteView view = look_at_infinity(scene_.lights[light], ray_.direction);
-    sample_.radiance += throughput_ * view.radiance * weight_of_found(view.pdf * plan(light).density());
+    sample_.radiance += throughput_ * view.radiance * weight_of_found(view.pdf * density_where_scattered(light, 0));
   }
 }
 
 void VolumePathIntegrator::Walk::see_emission(const Vertex& vertex) {
-  if (hides_emitters()) return;
-  const float pdf = pdf_scatter_ > 0 ? light_pdf(scene_.lights[vertex.light], scattered_at_, vertex.light_hit) : 0.0f;
-  sample_.radiance += throughput_ * vertex.emission * weight_of_found(pdf * plan(vertex.light).density());
+  if (hides_shining_shapes()) return;
+  const Light& light = scene_.lights[vertex.light];
+  const float pdf = pdf_scatter_ > 0 ? light_pdf(light, scattered_at_.position, vertex.light_hit) : 0.0f;
+  const float density = density_where_scattered(vertex.light, part_at(light, vertex.light_hit));
+  sample_.radiance += throughput_ * vertex.emission * weight_of_found(pdf * density);
 }
 
 template <typename View>
-void VolumePathIntegrator::Walk::add_direct_light(const Point3& from, const View& view) {
+void VolumePathIntegrator::Walk::add_direct_light(const Receiver& at, const View& view) {
   if (scene_.lights.empty()) return;
   if (settings_.light_samples == 0) {
-    const Vec2 choice = random_point(dimension::kLightChoice);
-    const auto light = static_cast<std::uint32_t>(scene_.light_choice.sample(choice.x).index);
-    return add_light(light, random_point(dimension::position(0)), choice.y, from, view);
+    const std::optional<LightChooser::Choice> chosen =
+        scene_.light_choice.sample(at, fine_uniform(random_point(dimension::kLightChoice)));
+    if (chosen) add_light(*chosen, random_point(dimension::position(0)), at.position, view);
+    return;
   }
   for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) {
-    const auto samples = static_cast<std::uint64_t>(plan(light).samples);
-    for (std::uint64_t i = index_ * samples; i < (index_ + 1) * samples; ++i)
-      add_light(light, random_point(dimension::position(light), i), random_point(dimension::part(light), i).x, from,
-                view);
+    const auto samples = static_cast<std::uint64_t>(samples_of_light(scene_, settings_.light_samples, light));
+    for (std::uint64_t i = index_ * samples; i < (index_ + 1) * samples; ++i) {
+      const PartChoice chosen = choose_part(scene_.lights[light], random_point(dimension::part(light), i).x);
+      add_light({light, chosen.part, static_cast<float>(samples) * chosen.probability},
+                random_point(dimension::position(light), i), at.position, view);
+    }
   }
 }
 
 template <typename View>
-void VolumePathIntegrator::Walk::add_light(std::uint32_t light, Vec2 u, float part, const Point3& from,
+void VolumePathIntegrator::Walk::add_light(const LightChooser::Choice& chosen, Vec2 u, const Point3& from,
                                            const View& view) {
-  const std::optional<LightSample> sample = sample_light(scene_.lights[light], from, u, part);
+  const std::optional<LightSample> sample = sample_light(scene_.lights[chosen.light], chosen.part, from, u);
   if (!sample) return;
   const std::optional<LitView> lit = view(sample->wi);
   if (!lit || lit->eval.f_cos.is_black()) return;
-  const float pdf = sample->pdf * plan(light).density();
+  const float pdf = sample->pdf * chosen.probability;
   const Spectrum scattered = throughput_ * lit->eval.f_cos;
-  const Transmittance through = passage(shadow_ray(lit->start, from, *sample), lit->medium, scattered);
+  const Transmittance through =
+      passage(shadow_ray(lit->start, from, *sample), most_surfaces_passed(sample->is_delta), lit->medium, scattered);
   if (through.share.is_black()) return;
   const float weight = sample->is_delta ? 1.0f : mis_weight(pdf, lit->eval.pdf * through.survival);
   sample_.radiance += scattered * through.share * sample->radiance * (weight / pdf);
 }
 
-/// What gets along a shadow ray through media, masks and null boundaries.
-Transmittance VolumePathIntegrator::Walk::passage(Ray ray, std::uint32_t medium, const Spectrum& throughput) {
+/// What gets along a shadow ray through media, and straight through at most so many surfaces.
+Transmittance VolumePathIntegrator::Walk::passage(Ray ray, int most_surfaces, std::uint32_t medium,
+                                                  const Spectrum& throughput) {
   const Transmittance none{Spectrum(0), 0};
-  int surfaces_left = settings_.null_counts_as_bounce ? settings_.max_depth - depth_ - 1 : kUnlimitedDepth;
   Transmittance passed;
   while (true) {
     const RayHit hit = intersect(ray);
-    if (hit.found() && surfaces_left-- == 0) return none;
-    const float open = hit.found() ? pass_through(scene_, ray, hit) : 1.0f;
-    if (open == 0) return none;
+    if (hit.found() && most_surfaces-- == 0) return none;
+    const Spectrum open = hit.found() ? pass_through(scene_, ray, hit) : Spectrum(1);
+    if (open.is_black()) return none;
     if (medium != kNone) {
       Ray way = ray;
       if (hit.found()) way.t_max = hit.t;
@@ -264,7 +293,7 @@ Transmittance VolumePathIntegrator::Walk::passage(Ray ray, std::uint32_t medium,
     }
     if (!hit.found()) return passed;
     passed.share *= open;
-    passed.survival *= open;
+    passed.survival *= open.max();
     medium = medium_beyond(scene_.shapes[hit.shape], scene_.geometry.surface(ray, hit).geometric_normal, ray.direction,
                            medium);
     ray = straight_on(scene_, ray, hit);

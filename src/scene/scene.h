@@ -158,16 +158,23 @@ struct MaskMaterial {
 struct TwoSidedMaterial {
   Id<Material> front, back;
 };
+/// What is done about shading normals that are tilted far.
+struct TiltHandling {
+  bool turn_back = true;     ///< those that would show the viewer the surface's other side are turned about the old one
+  bool cast_shadows = true;  ///< the bumps darken light at grazing angles (Estevez, Lecocq and Stellios 2019)
+};
 /// Shading normals tilted by a height field: displacement along the normal is scale · luminance(height), in metres.
 struct BumpMaterial {
   Id<Material> inner;
   Id<Texture> height;
   float scale = 1;
+  TiltHandling handling = {};
 };
 /// Shading normals from a texture: colours 0…1 stand for −1…1 along ∂p/∂u, the third and the normal.
 struct NormalMapMaterial {
   Id<Material> inner;
   Id<Texture> normals;
+  TiltHandling handling = {};
 };
 
 using Surface =
@@ -412,7 +419,7 @@ struct RenderHints {
   std::optional<int> max_depth;  ///< bounces: 0 emitted light only, 1 direct light, …
   std::optional<int> samples_per_pixel;
   bool null_counts_as_bounce = false;  ///< whether passing a boundary that does nothing uses up one of max_depth
-  bool hide_emitters = false;          ///< the camera does not see lights directly
+  bool hide_emitters = false;          ///< the camera sees neither lights nor their shapes directly
 };
 
 struct SceneDescription {

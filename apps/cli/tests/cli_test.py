@@ -592,6 +592,25 @@ class Conversion(CliTest):
             self.assertEqual(agreeing, 100)
             self.assertLess(sigmas, 4)
 
+    def test_interrupting_leaves_nothing(self):
+        os.mkdir(self.path("meshes"))
+        names = [f"meshes/{i}.obj" for i in range(1000)]
+        for name in names:
+            self.write(name, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        shapes = "".join(f'<shape type="obj"><string name="filename" value="{name}"/></shape>' for name in names)
+        self.write("many.xml", f'<scene version="3.0.0">{shapes}</scene>')
+        default = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
+        process = subprocess.Popen([ETENDUE, "convert", "many.xml", "out.xml"], stderr=subprocess.PIPE, text=True,
+                                   cwd=self.folder, preexec_fn=default)
+        self.addCleanup(process.kill)
+        while process.poll() is None and not any("_files.partial" in name for name in os.listdir(self.folder)):
+            threading.Event().wait(0.001)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, err)
+        self.assertIn("interrupted; nothing was written", err)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["dark.dae", "many.xml", "meshes", "scene.dae"])
+
     def test_skies_are_seen_where_they_were(self):
         texels = [[(20 * x + y, 100 + 5 * x, 255 - 9 * x - 60 * y, 128) for x in range(8)] for y in range(3)]
         write_hdr(self.path("map.hdr"), texels)

@@ -34,7 +34,7 @@ void ignore_technicalities(Properties& properties) {
 
 }  // namespace
 
-scene::RenderHints read_integrator(const Document& document, const Element& element, Report& report) {
+Integrator read_integrator(const Document& document, const Element& element, Report& report) {
   Properties properties(document, element, report);
   const std::string_view type = element.type();
   if (is_among(type, kWrappers))
@@ -59,7 +59,7 @@ scene::RenderHints read_integrator(const Document& document, const Element& elem
     read_depth(properties, hints);
   ignore_technicalities(properties);
   if (is_known) properties.reject_unread();
-  return hints;
+  return {hints, is_volume || !is_known};
 }
 
 }  // namespace etendue::mitsuba

@@ -5,8 +5,13 @@
 
 namespace etendue::mitsuba {
 
-/// What an <integrator> asks of a render; those that only wrap others ("moment", "aov") count for what they wrap. Of an
-/// unknown one only the depth is taken, with a warning. Throws Problem.
-scene::RenderHints read_integrator(const Document& document, const Element& element, Report& report);
+/// What an <integrator> asks of a render.
+struct Integrator {
+  scene::RenderHints hints;
+  bool sees_media = true;
+};
+/// Those that only wrap others ("moment", "aov") count for what they wrap. Of an unknown one only the depth is taken,
+/// with a warning. Throws Problem.
+Integrator read_integrator(const Document& document, const Element& element, Report& report);
 
 }  // namespace etendue::mitsuba

@@ -49,12 +49,8 @@ float ior_of_specular(float specular) {
   return 2 / (1 - std::sqrt(0.08f * specular)) - 1;
 }
 
-/// Normals that are bent so far that nothing sensible is left are dealt with in one way here.
-void warn_about_normal_handling(Properties& properties) {
-  for (const std::string_view name : {"flip_invalid_normals", "use_shadowing_function"})
-    if (!properties.boolean(name, true))
-      properties.report().repaired("bent normals are always kept valid and shadowed here; false is ignored",
-                                   properties.find(name)->where);
+scene::TiltHandling tilt_handling(Properties& properties) {
+  return {properties.boolean("flip_invalid_normals", true), properties.boolean("use_shadowing_function", true)};
 }
 
 bool is_transmissive(const scene::Surface& surface) {
@@ -360,11 +356,11 @@ scene::Material MaterialLibrary::bump_map(Properties& properties) {
   const Element* height = properties.object("texture");
   if (height == nullptr) throw Problem("\"bumpmap\" needs a <texture> in it", properties.where());
   const float scale = properties.number("scale", 1);
-  warn_about_normal_handling(properties);
+  const scene::TiltHandling handling = tilt_handling(properties);
   const auto texture =
       textures_.texture(properties.document(), *height, TextureLibrary::Use::number, properties.report());
   if (!texture) return scene_.materials[inner.index];
-  scene::Material result = both_sides(scene::BumpMaterial{inner, *texture, scale});
+  scene::Material result = both_sides(scene::BumpMaterial{inner, *texture, scale, handling});
   result.one_sided = is_one_sided(inner);
   return result;
 }
@@ -373,13 +369,13 @@ scene::Material MaterialLibrary::normal_map(Properties& properties) {
   const scene::Id<scene::Material> inner = nested(properties);
   const Element* normals = properties.find("normalmap");
   if (normals == nullptr) throw Problem("\"normalmap\" needs a <texture name=\"normalmap\"> in it", properties.where());
-  warn_about_normal_handling(properties);
+  const scene::TiltHandling handling = tilt_handling(properties);
   if (is_constant_color(*normals))
     throw Problem("\"normalmap\" needs a picture; one colour for all is no map", normals->where);
   const auto texture =
       textures_.texture(properties.document(), *normals, TextureLibrary::Use::color, properties.report());
   if (!texture) return scene_.materials[inner.index];
-  scene::Material result = both_sides(scene::NormalMapMaterial{inner, *texture});
+  scene::Material result = both_sides(scene::NormalMapMaterial{inner, *texture, handling});
   result.one_sided = is_one_sided(inner);
   return result;
 }

@@ -24,6 +24,7 @@ class SceneReader {
  private:
   void read_integrators(Properties& properties);
   void add_sensor(std::optional<Sensor> sensor);
+  void leave_out_media();
 
   template <typename Function>
   void each(Properties& properties, std::string_view tag, Function function) {
@@ -42,6 +43,7 @@ class SceneReader {
   MaterialLibrary materials_;
   MediumLibrary media_;
   ShapeReader shapes_;
+  const Element* blind_ = nullptr;  ///< the integrator, if it sees no media
 };
 
 scene::SceneDescription SceneReader::read() {
@@ -56,6 +58,7 @@ scene::SceneDescription SceneReader::read() {
        {"bsdf", "film", "medium", "phase", "rfilter", "sampler", "spectrum", "texture", "volume"})
     properties.objects(tag);  // read by those that refer to them
   properties.reject_unread();
+  if (blind_ != nullptr && !scene_.media.empty()) leave_out_media();
   return std::move(scene_);
 }
 
@@ -65,11 +68,27 @@ void SceneReader::read_integrators(Properties& properties) {
   if (all.size() > 1) report_.warning("there is more than one integrator; the first is used", all[1]->where);
   try {
     const auto samples = scene_.hints.samples_per_pixel;
-    scene_.hints = read_integrator(document_, *all.front(), report_);
+    const Integrator integrator = read_integrator(document_, *all.front(), report_);
+    scene_.hints = integrator.hints;
+    if (!integrator.sees_media) blind_ = all.front();
     scene_.hints.samples_per_pixel = samples;
   } catch (const Problem& problem) {
     report_.error(problem);
   }
+}
+
+void SceneReader::leave_out_media() {
+  report_.warning("this integrator sees no media; they are left out (\"volpath\" sees them)", blind_->where);
+  const auto leave = [](std::vector<scene::Instance>& instances) {
+    for (scene::Instance& instance : instances) {
+      instance.separates_media = false;
+      instance.interior = instance.exterior = std::nullopt;
+    }
+  };
+  leave(scene_.instances);
+  for (scene::Group& group : scene_.groups) leave(group.instances);
+  for (scene::Camera& camera : scene_.cameras) camera.medium = std::nullopt;
+  scene_.media.clear();
 }
 
 /// The first camera's sampler counts.

@@ -28,7 +28,7 @@ double mean_over_samples(const Light& light, const Point3& from, std::uint32_t s
       const Vec2 u((static_cast<float>(x) + jitter.x) / static_cast<float>(side),
                    (static_cast<float>(y) + jitter.y) / static_cast<float>(side));
       if (const auto s =
-              sample_light(light, from, {std::min(u.x, kOneMinusEpsilon), std::min(u.y, kOneMinusEpsilon)}, choice))
+              sample_whole(light, from, {std::min(u.x, kOneMinusEpsilon), std::min(u.y, kOneMinusEpsilon)}, choice))
         sum += value(*s);
     }
   return sum / side / side;
@@ -156,7 +156,7 @@ TEST(MeshLight, IsLitEvenlyOnEachOfAMillionTriangles) {
   RunningMean x, z;
   Random random(8);
   for (int i = 0; i < 200000; ++i) {
-    const auto s = sample_light(light, from, random.point(), random.value());
+    const auto s = sample_whole(light, from, random.point(), random.value());
     ASSERT_TRUE(s);
     const Point3 p = from + s->wi * s->distance;
     x.add(p.x);
@@ -204,8 +204,8 @@ TEST(SphereLight, GivesTheIrradianceOfASphere) {
 TEST(SphereLight, IsDarkFromInside) {
   const SphereLight light{{1, 2, 3}, 2, Spectrum(1)};
   for (const Point3& from : {Point3(1, 2, 3), Point3(1, 2, 4.9f), Point3(2, 2, 3)}) {
-    EXPECT_FALSE(sample_light(light, from, {0.3f, 0.7f}, 0.5f));
-    EXPECT_EQ(light_pdf(light, from, {{1, 2, 5}, {0, 0, 1}}), 0);
+    EXPECT_FALSE(sample_whole(light, from, {0.3f, 0.7f}, 0.5f));
+    EXPECT_EQ(whole_pdf(light, from, {{1, 2, 5}, {0, 0, 1}}), 0);
   }
 }
 
@@ -215,7 +215,7 @@ TEST(SphereLight, SamplesLieOnTheSphereFromVeryClose) {
   for (const float height : {1e-5f, 1e-4f, 1e-3f, 0.1f, 100.0f}) {
     const Point3 from(0, 1 + height, 0);
     for (int i = 0; i < 2000; ++i) {
-      const auto s = sample_light(light, from, random.point(), 0.5f);
+      const auto s = sample_whole(light, from, random.point(), 0.5f);
       ASSERT_TRUE(s);
       EXPECT_NEAR((Vec3d(from) + Vec3d(s->wi) * s->distance).length(), 1, 3e-7 * (1 + height)) << height;
     }
@@ -227,10 +227,10 @@ TEST(AreaLights, BackSidesAreDark) {
   const MeshLight mesh({triangle({0, 0, 0}, {1, 0, 0}, {0, 0, 1})}, Spectrum(1));
   for (const float y : {0.0f, 1e-3f, 1.0f, 100.0f}) {  // both shine down
     const Point3 from(0.1f, y, 0.1f);
-    EXPECT_FALSE(sample_light(rectangle, from, {0.5f, 0.5f}, 0.5f)) << y;
-    EXPECT_FALSE(sample_light(mesh, from, {0.5f, 0.5f}, 0.5f)) << y;
-    EXPECT_EQ(light_pdf(rectangle, from, {{0, 0, 0}, {0, -1, 0}}), 0) << y;
-    EXPECT_EQ(light_pdf(mesh, from, {{0.2f, 0, 0.2f}, {0, -1, 0}}), 0) << y;
+    EXPECT_FALSE(sample_whole(rectangle, from, {0.5f, 0.5f}, 0.5f)) << y;
+    EXPECT_FALSE(sample_whole(mesh, from, {0.5f, 0.5f}, 0.5f)) << y;
+    EXPECT_EQ(whole_pdf(rectangle, from, {{0, 0, 0}, {0, -1, 0}}), 0) << y;
+    EXPECT_EQ(whole_pdf(mesh, from, {{0.2f, 0, 0.2f}, {0, -1, 0}}), 0) << y;
   }
 }
 
@@ -238,8 +238,8 @@ TEST(PointLight, FallsOffWithTheSquaredDistance) {
   const PointLight light{{0, 4, 0}, Spectrum(10)};
   EXPECT_NEAR(irradiance(light, {0, 0, 0}, {0, 1, 0}, 1), 10.0 / 16, 1e-6);
   EXPECT_NEAR(irradiance(light, {3, 0, 0}, {0, 1, 0}, 1), 10.0 / 25 * 4 / 5, 1e-6);
-  EXPECT_NEAR(sample_light(light, {3, 0, 0}, {}, 0)->distance, 5, 1e-6);
-  EXPECT_FALSE(sample_light(light, {0, 4, 0}, {}, 0));
+  EXPECT_NEAR(sample_whole(light, {3, 0, 0}, {0, 0}, 0)->distance, 5, 1e-6);
+  EXPECT_FALSE(sample_whole(light, {0, 4, 0}, {0, 0}, 0));
   EXPECT_NEAR(light_power(light, kScene), 4 * kPi * 10, 1e-3);
 }
 
@@ -252,15 +252,15 @@ TEST(SpotLight, ShinesWithinItsCone) {
   light.exponent = 3;
   EXPECT_NEAR(irradiance(light, {0, 0, 0}, {0, 1, 0}, 1), 10.0 / 16, 1e-6);
   EXPECT_NEAR(irradiance(light, {3, 0, 0}, {0, 1, 0}, 1), 10.0 / 25 * std::pow(4.0 / 5, 3) * 4 / 5, 1e-6);
-  EXPECT_FALSE(sample_light(light, {4, 0, 0}, {}, 0));  // 45 degrees
-  EXPECT_FALSE(sample_light(light, {0, 5, 0}, {}, 0));  // behind
+  EXPECT_FALSE(sample_whole(light, {4, 0, 0}, {0, 0}, 0));  // 45 degrees
+  EXPECT_FALSE(sample_whole(light, {0, 5, 0}, {0, 0}, 0));  // behind
 }
 
 TEST(DirectionalLight, GivesItsIrradiance) {
   const DirectionalLight light{normalize(Vec3(0, 1, 1)), Spectrum(10)};
   EXPECT_NEAR(irradiance(light, {7, -3, 2}, normalize(Vec3(0, 1, 1)), 1), 10, 1e-5);
   EXPECT_NEAR(irradiance(light, {0, 0, 0}, {0, 1, 0}, 1), 10 * std::sqrt(0.5), 1e-5);
-  EXPECT_TRUE(std::isinf(sample_light(light, {0, 0, 0}, {}, 0)->distance));
+  EXPECT_TRUE(std::isinf(sample_whole(light, {0, 0, 0}, {0, 0}, 0)->distance));
 }
 
 TEST(UniformLight, GivesPiFromAbove) {

@@ -243,6 +243,21 @@ TEST(LookupMeans, SupportCoversTheLookup) {
     }
 }
 
+TEST(Compensated, LeavesWhatExceedsTheMeanOverTheSphere) {
+  Image map(4, 3, Spectrum(1));
+  map.at(2, 1) = Spectrum(9);  // of four texels in the middle row, which is half of the sphere
+  const Image left = compensated(map);
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 4; ++x) EXPECT_NEAR(left.at(x, y).g, x == 2 && y == 1 ? 7 : 0, 1e-5) << x << ' ' << y;
+}
+
+TEST(Compensated, LeavesNothingOfAnEvenSky) {
+  const Image left = compensated(Image(64, 31, Spectrum(0.3f, 0.7f, 0.1f)));
+  for (const Spectrum& s : left.pixels()) EXPECT_TRUE(s.is_black());
+  // … which is then sampled evenly.
+  EXPECT_NEAR(TexelDistribution(left).pdf({0.3f, 0.5f}), kPi / 2, 0.01f);
+}
+
 TEST(RepairMap, ReplacesWhatIsNoRadiance) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
   Image map(2, 2, Spectrum(0.5f));

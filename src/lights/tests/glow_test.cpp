@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "lights/light.h"
+#include "light_kit.h"
 
 namespace etendue {
 namespace {
@@ -37,7 +37,7 @@ double sampled_irradiance(const Light& light, const Point3& from, const Vec3& no
   double sum = 0;
   for (int i = 0; i < n; ++i) {
     const Vec2 u(uniform(random), uniform(random));
-    const auto sample = sample_light(light, from, u, uniform(random));
+    const auto sample = sample_whole(light, from, u, uniform(random));
     if (sample) sum += sample->radiance.g * std::max(0.0f, dot(sample->wi, normal)) / sample->pdf;
   }
   return sum / n;
@@ -68,7 +68,7 @@ void expect_densities_agree(const Geometry& geometry, const Light& light, const 
   int seen = 0, differing = 0;
   for (int i = 0; i < 2000; ++i) {
     const Vec2 u(uniform(random), uniform(random));
-    const auto sample = sample_light(light, from, u, uniform(random));
+    const auto sample = sample_whole(light, from, u, uniform(random));
     if (!sample) continue;
     const Ray ray{from, sample->wi};
     const RayHit hit = geometry.intersect(ray);
@@ -77,7 +77,7 @@ void expect_densities_agree(const Geometry& geometry, const Light& light, const 
     const LightHit on_light{surface.position, surface.geometric_normal, hit.primitive, hit.u, hit.v};
     ++seen;
     // At the border of two small triangles rounding may choose either.
-    differing += std::abs(light_pdf(light, from, on_light) - sample->pdf) > 2e-3f * sample->pdf ? 1 : 0;
+    differing += std::abs(whole_pdf(light, from, on_light) - sample->pdf) > 2e-3f * sample->pdf ? 1 : 0;
   }
   EXPECT_GT(seen, 100);
   EXPECT_LE(differing, seen / 100);
@@ -106,11 +106,11 @@ TEST(TexturedMeshLight, ChoosesItsBrightPart) {
   Geometry geometry;
   geometry.add(quad());
   geometry.build();
-  const TexturedMeshLight light(Glow{&geometry, &textures(), 0, std::uint32_t{0}});
+  const Light light = TexturedMeshLight(Glow{&geometry, &textures(), 0, std::uint32_t{0}});
   int bright = 0;
   constexpr int kSamples = 2000;
   for (int i = 0; i < kSamples; ++i) {
-    const auto sample = light.sample({0, -2, 0}, {0.3f, 0.6f}, (static_cast<float>(i) + 0.5f) / kSamples);
+    const auto sample = sample_whole(light, {0, -2, 0}, {0.3f, 0.6f}, (static_cast<float>(i) + 0.5f) / kSamples);
     ASSERT_TRUE(sample);
     bright += sample->radiance.g > 10 ? 1 : 0;
   }
@@ -141,12 +141,12 @@ TEST(ProjectorLight, GivesItsPictureToAPlaneAtDistanceOne) {
   projector.scale = 2;
   projector.picture = Spectrum(3);
   for (const Vec2& at : {Vec2(0, 0), Vec2(0.4f, -0.2f), Vec2(-0.49f, 0.24f)}) {
-    const auto sample = projector.sample({at.x, at.y, -1}, {}, 0);
+    const auto sample = projector.sample({at.x, at.y, -1}, {0, 0});
     ASSERT_TRUE(sample);
     EXPECT_NEAR(sample->radiance.g * sample->wi.z, 6, 1e-4);  // the cosine on that plane
   }
-  EXPECT_FALSE(projector.sample({0.51f, 0, -1}, {}, 0));
-  EXPECT_FALSE(projector.sample({0, 0, 1}, {}, 0));
+  EXPECT_FALSE(projector.sample({0.51f, 0, -1}, {0, 0}));
+  EXPECT_FALSE(projector.sample({0, 0, 1}, {0, 0}));
 }
 
 TEST(ProjectorLight, ShowsItsPictureUpright) {
@@ -154,9 +154,9 @@ TEST(ProjectorLight, ShowsItsPictureUpright) {
   projector.textures = &textures();
   projector.picture = std::uint32_t{0};
   // The picture's bright part lies right and up, as seen from the projector.
-  EXPECT_GT(projector.sample({0.5f, 0.7f, -1}, {}, 0)->radiance.g, 5);
-  EXPECT_LT(projector.sample({-0.5f, 0.7f, -1}, {}, 0)->radiance.g, 1);
-  EXPECT_LT(projector.sample({0.5f, -0.7f, -1}, {}, 0)->radiance.g, 1);
+  EXPECT_GT(projector.sample({0.5f, 0.7f, -1}, {0, 0})->radiance.g, 5);
+  EXPECT_LT(projector.sample({-0.5f, 0.7f, -1}, {0, 0})->radiance.g, 1);
+  EXPECT_LT(projector.sample({0.5f, -0.7f, -1}, {0, 0})->radiance.g, 1);
 }
 
 TEST(SpotLight, FallsFromTheBeamToTheCutoff) {
@@ -165,7 +165,7 @@ TEST(SpotLight, FallsFromTheBeamToTheCutoff) {
   spot.cutoff = radians(40);
   spot.beam = radians(20);
   const auto at = [&](float degrees) {
-    const auto sample = spot.sample({std::sin(radians(degrees)), 0, -std::cos(radians(degrees))}, {}, 0);
+    const auto sample = spot.sample({std::sin(radians(degrees)), 0, -std::cos(radians(degrees))}, {0, 0});
     return sample ? sample->radiance.g : 0.0f;
   };
   EXPECT_NEAR(at(10), 1, 1e-5);

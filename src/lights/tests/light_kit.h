@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "lights/light.h"
@@ -31,6 +32,19 @@ inline std::vector<MeshLight::Triangle> cube() {
       faces.push_back(triangle(corner(-0.5f, -0.5f), corner(0.5f, 0.5f), corner(-0.5f, 0.5f)));
     }
   return faces;
+}
+
+/// A way to shine on `from`, from all of a light: `choice` picks the part.
+inline std::optional<LightSample> sample_whole(const Light& light, const Point3& from, Vec2 u, float choice) {
+  const PartChoice part = choose_part(light, choice);
+  std::optional<LightSample> sample = sample_light(light, part.part, from, u);
+  if (sample) sample->pdf *= part.probability;
+  return sample;
+}
+
+/// Density with which sample_whole gives the direction to a point of the light.
+inline float whole_pdf(const Light& light, const Point3& from, const LightHit& hit) {
+  return light_pdf(light, from, hit) * part_probability(light, part_at(light, hit));
 }
 
 /// Noise with a bright texel.

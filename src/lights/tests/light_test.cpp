@@ -213,7 +213,7 @@ Cells surface_cells(const Light& light, const Point3& from) {
       const Vec3d to_light = position - Vec3d(from), area = Vec3d(patch.edge_x).cross(Vec3d(patch.edge_y));
       const double d2 = to_light.length2(), cosine = -to_light.dot(Vec3d(patch.normal)) / std::sqrt(d2);
       if (cosine <= 0) return 0.0;
-      return light_pdf(light, from, {Point3(position), patch.normal, i}) * cosine / d2 * area.length() * edge;
+      return whole_pdf(light, from, {Point3(position), patch.normal, i}) * cosine / d2 * area.length() * edge;
     };
     for (int row = 0; row < kSide; ++row)
       for (int column = 0; column < kSide; ++column)
@@ -250,7 +250,7 @@ Cells round_cells(const Light& light, const Point3& from, const Vec3& axis, doub
   const auto density = [&](const Vec3& w) {
     if (is_infinite(light)) return static_cast<double>(look_at_infinity(light, w).pdf);
     const std::vector<Crossing> found = crossings(light, from, w);
-    return found.empty() ? 0.0 : static_cast<double>(light_pdf(light, from, found[0].hit));
+    return found.empty() ? 0.0 : static_cast<double>(whole_pdf(light, from, found[0].hit));
   };
   return {grid.integrals(density, 1e-5), [grid](const LightSample& s) { return grid.cell(s.wi); }};
 }
@@ -307,7 +307,7 @@ TEST(Light, SamplesFollowTheDensity) {
       std::vector<double> counts(cells.expected.size());
       Random random(1);
       for (int i = 0; i < kSamples; ++i) {
-        const std::optional<LightSample> s = sample_light(named.light, from, random.point(), random.value());
+        const std::optional<LightSample> s = sample_whole(named.light, from, random.point(), random.value());
         ++counts[s ? cells.cell_of(*s) : counts.size() - 1];
       }
       EXPECT_NEAR(1 - counts.back() / kSamples, share, 0.012) << at(named, from);
@@ -325,7 +325,7 @@ TEST(Light, SamplesLieOnTheLightAndKnowTheirDensity) {
       Random random(2);
       int samples = 0, beside = 0;
       for (int i = 0; i < 2000; ++i) {
-        const std::optional<LightSample> s = sample_light(named.light, from, random.point(), random.value());
+        const std::optional<LightSample> s = sample_whole(named.light, from, random.point(), random.value());
         if (!s) continue;
         ++samples;
         ASSERT_FALSE(s->is_delta);
@@ -356,7 +356,7 @@ TEST(Light, SamplesLieOnTheLightAndKnowTheirDensity) {
         // surface.
         const bool rim = std::holds_alternative<SphereLight>(named.light) && dot(found->hit.normal, s->wi) > -0.05f;
         ASSERT_NEAR(s->distance / found->distance, 1, rim ? 3e-3 : 6e-5) << at(named, from);
-        ASSERT_NEAR(light_pdf(named.light, from, found->hit) / s->pdf, 1, 5e-3) << at(named, from);
+        ASSERT_NEAR(whole_pdf(named.light, from, found->hit) / s->pdf, 1, 5e-3) << at(named, from);
       }
       EXPECT_LE(beside, samples / 100) << at(named, from);
     }
@@ -374,7 +374,7 @@ TEST(Light, IsNeverNan) {
     for (const Point3& from : places)
       for (const float u : kEnds)
         for (const float v : kEnds) {
-          const std::optional<LightSample> s = sample_light(named.light, from, {u, v}, v);
+          const std::optional<LightSample> s = sample_whole(named.light, from, {u, v}, v);
           if (!s) continue;
           EXPECT_TRUE(is_finite(s->wi) && is_finite(s->radiance) && std::isfinite(s->pdf) && s->pdf > 0)
               << at(named, from) << ' ' << u << ' ' << v;
@@ -389,12 +389,12 @@ TEST(Light, KindsAreConsistent) {
     EXPECT_TRUE(std::isfinite(light_power(named.light, kScene))) << named.name;
     std::optional<LightSample> s;
     for (int i = 0; i < 16 && !s; ++i)
-      s = sample_light(named.light, named.places[0], {0.5f, 0.5f}, (static_cast<float>(i) + 0.5f) / 16);
+      s = sample_whole(named.light, named.places[0], {0.5f, 0.5f}, (static_cast<float>(i) + 0.5f) / 16);
     ASSERT_TRUE(s) << named.name;
     EXPECT_EQ(s->is_delta, is_delta(named.light)) << named.name;
     if (is_delta(named.light)) {
       EXPECT_EQ(s->pdf, 1) << named.name;
-      EXPECT_EQ(light_pdf(named.light, {0, 0, 0}, {}), 0) << named.name;
+      EXPECT_EQ(whole_pdf(named.light, {0, 0, 0}, {}), 0) << named.name;
       EXPECT_EQ(look_at_infinity(named.light, s->wi).pdf, 0) << named.name;
     }
     if (!is_infinite(named.light)) {

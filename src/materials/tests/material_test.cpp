@@ -133,6 +133,28 @@ TEST(Material, NormalMapsThatTurnAwayAreTurnedBack) {
   EXPECT_NEAR(dot(s.normal(), direction(0.5f, kPi)), 1, 1e-5);
 }
 
+TEST(Material, NormalMapsMayLeaveNormalsAndLightAlone) {
+  const scene::TiltHandling alone{.turn_back = false, .cast_shadows = false};
+  const Materials materials = {Material{NormalMapMaterial{1, 0, alone}}, diffuse(1)};
+  EXPECT_NEAR(dot(scattering(materials, direction(1.4f, kPi), tilted_map(0.5f)).normal(), direction(0.5f, 0)), 1, 1e-5);
+  const Vec3 grazing = direction(1.5f, 0);
+  const Scattering s = scattering(materials, kUp, tilted_map(0.5f));
+  EXPECT_NEAR(s.eval(grazing).f_cos.g, dot(grazing, direction(0.5f, 0)) * kInvPi, 1e-5);
+  const Materials shadowed = {Material{NormalMapMaterial{1, 0}}, diffuse(1)};
+  EXPECT_LT(scattering(shadowed, kUp, tilted_map(0.5f)).eval(grazing).f_cos.g, 0.9f * s.eval(grazing).f_cos.g);
+}
+
+/// Seen from behind, a tilted surface with two sides reflects as it does from the front.
+TEST(Material, NormalMapsTiltTheBacksOfTwoSidedSurfaces) {
+  const Materials materials = {Material{NormalMapMaterial{1, 0}}, Material{TwoSidedMaterial{2, 2}}, diffuse(1)};
+  const Scattering front = scattering(materials, kUp, tilted_map(0.4f));
+  const Scattering back = scattering(materials, -kUp, tilted_map(0.4f));
+  for (const float angle : {0.0f, 0.7f, 1.2f}) {
+    EXPECT_GT(front.eval(direction(angle, 0)).f_cos.g, 0);
+    EXPECT_NEAR(back.eval(-direction(angle, 0)).f_cos.g, front.eval(direction(angle, 0)).f_cos.g, 1e-6);
+  }
+}
+
 TEST(Material, BumpsFollowTheSlope) {
   Image ramp(64, 1);
   for (int x = 0; x < 64; ++x) ramp.at(x, 0) = Spectrum(static_cast<float>(x) / 64);  // slope 1 in u but for the seam

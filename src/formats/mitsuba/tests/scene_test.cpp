@@ -311,6 +311,23 @@ TEST(Integrators, DepthsAreBounces) {
               HasSubstr("the integrator \"bdpt\" is not known here; \"path\" is used"));
 }
 
+TEST(Integrators, PathSeesNoMedia) {
+  const auto scene_for = [](std::string_view integrator) {
+    return read(
+        fmt::format("<integrator type=\"{}\"/><shape type=\"sphere\"><medium type=\"homogeneous\" "
+                    "name=\"interior\"/></shape><sensor type=\"perspective\"><medium "
+                    "type=\"homogeneous\"/></sensor>",
+                    integrator));
+  };
+  const Reading volume = scene_for("volpath");
+  EXPECT_EQ(good(volume).media.size(), 2u);
+  const Reading path = scene_for("path");
+  EXPECT_THAT(path.messages, HasSubstr("this integrator sees no media"));
+  EXPECT_TRUE(path.scene.media.empty());
+  EXPECT_FALSE(path.scene.instances.at(0).separates_media || path.scene.instances.at(0).interior);
+  EXPECT_FALSE(path.scene.cameras.at(0).medium);
+}
+
 // ---- shapes and media ----------------------------------------------------------------------------------------------
 
 TEST(Shapes, CubesFaceOutwards) {

@@ -61,8 +61,8 @@ void add_integer(pugi::xml_node parent, const std::string& name, int value) {
   add_value(parent, "integer", name, fmt::format("{}", value));
 }
 
-void add_flag(pugi::xml_node parent, const std::string& name, bool value) {
-  if (value) add_value(parent, "boolean", name, "true");
+void add_flag(pugi::xml_node parent, const std::string& name, bool value, bool missing) {
+  if (value != missing) add_value(parent, "boolean", name, value ? "true" : "false");
 }
 
 void add_text(pugi::xml_node parent, const std::string& name, const std::string& value) {

@@ -19,8 +19,8 @@ void add_reference(pugi::xml_node parent, const std::string& name, const std::st
 
 void add_number(pugi::xml_node parent, const std::string& name, float value);
 void add_integer(pugi::xml_node parent, const std::string& name, int value);
-/// Nothing if it is false, as all flags are by default.
-void add_flag(pugi::xml_node parent, const std::string& name, bool value);
+/// Nothing if it is as if it were `missing`.
+void add_flag(pugi::xml_node parent, const std::string& name, bool value, bool missing = false);
 void add_text(pugi::xml_node parent, const std::string& name, const std::string& value);
 void add_color(pugi::xml_node parent, const std::string& name, const Spectrum& value);
 /// A colour of a surface: one above 1 is written so that it stays so.

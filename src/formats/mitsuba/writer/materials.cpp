@@ -26,6 +26,11 @@ void add_ior(pugi::xml_node node, float ior) {
   add_number(node, "ext_ior", 1);
 }
 
+void add_handling(pugi::xml_node node, const scene::TiltHandling& handling) {
+  add_flag(node, "flip_invalid_normals", handling.turn_back, true);
+  add_flag(node, "use_shadowing_function", handling.cast_shadows, true);
+}
+
 }  // namespace
 
 /// Where a surface is written, and for which material.
@@ -204,12 +209,14 @@ void MaterialWriter::write(const scene::BumpMaterial& m, const Target& target) {
   const pugi::xml_node node = target.add("bumpmap");
   textures_.add(node, {}, m.height, TextureWriter::Use::number);
   add_number(node, "scale", m.scale);
+  add_handling(node, m.handling);
   add_reference(node, {}, id(m.inner));
 }
 
 void MaterialWriter::write(const scene::NormalMapMaterial& m, const Target& target) {
   const pugi::xml_node node = target.add("normalmap");
   textures_.add(node, "normalmap", m.normals, TextureWriter::Use::color);
+  add_handling(node, m.handling);
   add_reference(node, {}, id(m.inner));
 }
 

@@ -15,7 +15,8 @@ bool has_what_lets_pass(const scene::SceneDescription& scene) {
   return !scene.media.empty() ||
          std::any_of(scene.materials.begin(), scene.materials.end(), [](const scene::Material& material) {
            return std::holds_alternative<scene::NullMaterial>(material.surface) ||
-                  std::holds_alternative<scene::MaskMaterial>(material.surface);
+                  std::holds_alternative<scene::MaskMaterial>(material.surface) ||
+                  std::holds_alternative<scene::ThinGlassMaterial>(material.surface);
          });
 }
 
@@ -97,9 +98,15 @@ class SceneWriter {
 
 }  // namespace
 
-void write_file(const std::filesystem::path& path, const scene::SceneDescription& scene, Diagnostics& diagnostics) {
-  SideFiles files(path);
-  files.commit(SceneWriter(scene, files, diagnostics).text());
+bool write_file(const std::filesystem::path& path, const scene::SceneDescription& scene, Diagnostics& diagnostics,
+                bool (*stopped)()) {
+  SideFiles files(path, stopped);
+  try {
+    files.commit(SceneWriter(scene, files, diagnostics).text());
+    return true;
+  } catch (const SideFiles::Stopped&) {
+    return false;
+  }
 }
 
 }  // namespace etendue::mitsuba

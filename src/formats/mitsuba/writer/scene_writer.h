@@ -15,8 +15,10 @@ namespace etendue::mitsuba {
 
 /// Writes the description as the scene `path`, and what it needs beside it in the folder NAME_files. Pictures,
 /// environment maps and OpenVDB files stay where they are and are referred to. What Mitsuba has no word for becomes a
-/// counted warning that says what is written instead. Everything appears, or nothing. Throws Error(Failure::output),
-/// Error(Failure::usage) if a file that the scene refers to would be overwritten.
-void write_file(const std::filesystem::path& path, const scene::SceneDescription& scene, Diagnostics& diagnostics);
+/// counted warning that says what is written instead. Everything appears, or nothing: false if `stopped`, which may be
+/// null, became true before. Throws Error(Failure::output), Error(Failure::usage) if a file that the scene refers to
+/// would be overwritten.
+bool write_file(const std::filesystem::path& path, const scene::SceneDescription& scene, Diagnostics& diagnostics,
+                bool (*stopped)() = nullptr);
 
 }  // namespace etendue::mitsuba

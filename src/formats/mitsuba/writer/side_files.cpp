@@ -41,8 +41,10 @@ void move(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-SideFiles::SideFiles(const fs::path& scene_file)
-    : scene_file_(scene_file), folder_(scene_file.parent_path() / (scene_file.stem().string() + "_files")) {
+SideFiles::SideFiles(const fs::path& scene_file, bool (*stopped)())
+    : scene_file_(scene_file),
+      folder_(scene_file.parent_path() / (scene_file.stem().string() + "_files")),
+      stopped_(stopped) {
   check_file_writable(scene_file);
   temporary_ = folder_;
   temporary_.replace_filename(fmt::format(".{}.partial-{}", folder_.filename().string(), ::getpid()));
@@ -60,7 +62,12 @@ SideFiles::~SideFiles() {
   fs::remove_all(temporary_, ignored);
 }
 
+void SideFiles::stop_if_asked() const {
+  if (stopped_ != nullptr && stopped_()) throw Stopped{};
+}
+
 fs::path SideFiles::new_file(std::string_view stem, std::string_view extension) {
+  stop_if_asked();
   make_folder(temporary_);
   return temporary_ / names_.emplace_back(stems_.unique(stem, "file") + std::string(extension));
 }
@@ -85,6 +92,7 @@ std::string SideFiles::elsewhere(const fs::path& file) {
 }
 
 void SideFiles::commit(const std::string& scene_text) {
+  stop_if_asked();
   for (const std::string& name : names_)
     if (referred_to_.contains(resolved(folder_ / name)))
       throw Error(Failure::usage, fmt::format("{} would be overwritten, but the scene needs it; choose another name",

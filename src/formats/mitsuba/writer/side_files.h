@@ -15,8 +15,12 @@ namespace etendue::mitsuba {
 /// and stand there when the scene does; if it comes to nothing, nothing of them stays.
 class SideFiles {
  public:
-  /// Throws Error(Failure::output) if NAME_files is something else than the folder of an older NAME.xml.
-  explicit SideFiles(const std::filesystem::path& scene_file);
+  /// Thrown where the next file would be written if `stopped` says so.
+  struct Stopped {};
+
+  /// `stopped` may be null. Throws Error(Failure::output) if NAME_files is something else than the folder of an older
+  /// NAME.xml.
+  SideFiles(const std::filesystem::path& scene_file, bool (*stopped)());
   ~SideFiles();
   SideFiles(const SideFiles&) = delete;
   SideFiles& operator=(const SideFiles&) = delete;
@@ -33,9 +37,11 @@ class SideFiles {
   void commit(const std::string& scene_text);
 
  private:
+  void stop_if_asked() const;
   std::filesystem::path new_file(std::string_view stem, std::string_view extension);
 
   std::filesystem::path scene_file_, folder_, temporary_;
+  bool (*stopped_)();
   Ids stems_;
   std::vector<std::string> names_;
   std::set<std::filesystem::path> referred_to_;

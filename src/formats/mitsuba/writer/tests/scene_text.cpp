@@ -116,8 +116,12 @@ class SceneText {
   std::string one(const scene::BlendMaterial& m) const { return fields(m.first, m.second, m.weight); }
   std::string one(const scene::MaskMaterial& m) const { return fields(m.inner, m.opacity); }
   std::string one(const scene::TwoSidedMaterial& m) const { return fields(m.front, m.back); }
-  std::string one(const scene::BumpMaterial& m) const { return fields(m.inner, m.height, m.scale); }
-  std::string one(const scene::NormalMapMaterial& m) const { return fields(m.inner, m.normals); }
+  std::string one(const scene::BumpMaterial& m) const {
+    return fields(m.inner, m.height, m.scale, m.handling.turn_back, m.handling.cast_shadows);
+  }
+  std::string one(const scene::NormalMapMaterial& m) const {
+    return fields(m.inner, m.normals, m.handling.turn_back, m.handling.cast_shadows);
+  }
 
   std::string one(scene::Id<scene::Volume> id) const {
     const scene::Volume& v = scene_.volumes.at(id.index);

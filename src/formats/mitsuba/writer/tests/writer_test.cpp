@@ -183,9 +183,11 @@ constexpr const char* kEverything = R"(<scene version="3.0.0">
 <shape type="instance"><ref id="pair"/><transform name="to_world"><scale x="2" y="2" z="-2"/></transform></shape>
 <shape type="disk"><bsdf type="blendbsdf"><ref name="weight" id="board"/><ref id="gold"/><ref id="grey"/></bsdf></shape>
 <shape type="disk"><ref id="glow"/></shape>
-<shape type="disk"><bsdf type="bumpmap"><ref id="board"/><float name="scale" value="0.2"/><ref id="grey"/></bsdf>
+<shape type="disk"><bsdf type="bumpmap"><ref id="board"/><float name="scale" value="0.2"/><ref id="grey"/>
+<boolean name="use_shadowing_function" value="false"/></bsdf>
   </shape>
-<shape type="disk"><bsdf type="normalmap"><ref name="normalmap" id="picture"/><ref id="gold"/></bsdf></shape>
+<shape type="disk"><bsdf type="normalmap"><ref name="normalmap" id="picture"/><ref id="gold"/>
+<boolean name="flip_invalid_normals" value="false"/></bsdf></shape>
 <shape type="disk"><bsdf type="principled"><rgb name="base_color" value="0.9 0.1 0.2"/>
   <float name="roughness" value="0.31"/>
   <float name="anisotropic" value="0.32"/><float name="metallic" value="0.33"/><float name="spec_trans" value="0.34"/>
