@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "camera/settings_file.h"
 #include "commands.h"
+#include "denoise/denoise.h"
 #include "file_names.h"
 #include "image/io.h"
 #include "interrupt.h"
@@ -143,9 +144,30 @@ Picture labelled(Picture picture, const RenderOptions& options, const RenderStat
   return picture;
 }
 
+/// The noisy picture stays as the channels noisy.{R,G,B}.
+Picture without_noise(Picture picture, const RenderSession& session) {
+  const std::optional<NoisyPicture> noisy = session.noisy_picture();
+  if (!noisy) {
+    log_warning(fmt::format("warning: too few samples to denoise, each pixel needs {}: the picture keeps its noise",
+                            kMinimumToDenoise));
+    return picture;
+  }
+  Denoised denoised = denoise(*noisy);
+  static constexpr const char* kNames[] = {"noisy.R", "noisy.G", "noisy.B"};
+  for (int c = 0; c < 3; ++c) {
+    Channel& channel = picture.channels.emplace_back(Channel{kNames[c], {}});
+    for (const Spectrum& pixel : picture.beauty.pixels()) channel.values.push_back(pixel[c]);
+  }
+  picture.beauty = std::move(denoised.image);
+  picture.metadata["denoised"] = fmt::format("by {}: biased", denoised.by);
+  log_info(fmt::format("denoised by {}: the picture is biased", denoised.by));
+  return picture;
+}
+
 /// Writes all that can be written; the first failure is thrown at the end.
 void write_outputs(const RenderOptions& options, const RenderSession& session, const RenderStats& stats) {
-  const Picture picture = labelled(session.snapshot(), options, stats);
+  Picture picture = labelled(session.snapshot(), options, stats);
+  if (options.settings.for_denoising) picture = without_noise(std::move(picture), session);
   std::exception_ptr failure;
   const auto attempt = [&](auto write) {
     try {

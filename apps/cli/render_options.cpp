@@ -39,6 +39,10 @@ void add_output_flags(CLI::App& app, RenderFlags& f) {
   flags::number(app, "--exposure", o.exposure_stops, Range{-100.0f, 100.0f}, "STOPS",
                 "Brightens 8-bit pictures by this many stops (default 0)")
       ->group("Output");
+  app.add_flag("--denoise", o.settings.for_denoising,
+               "Take the noise out of the finished picture: by Open Image Denoise if the machine has it, else by "
+               "regression on albedo, normal and depth. Biased; an .exr keeps the noisy picture as a layer too")
+      ->group("Output");
   app.add_flag("--preview", o.preview, "Show the picture in the terminal while it renders")->group("Output");
   flags::file(app, "--stats", o.stats, "Write times, rays and memory as JSON (-: to standard output)")->group("Output");
 }
@@ -208,7 +212,8 @@ void add_machine_flags(CLI::App& app, RenderFlags& f) {
 /// A render that cannot fit into the machine's memory would be killed half-way.
 void check_memory(const RenderSettings& s, const CropWindow& part) {
   constexpr double kBytesPerPixel = 250;  // film, picture with all its channels, encoded file
-  const double needed = kBytesPerPixel * part.width * part.height;
+  constexpr double kBytesToDenoise = 700;
+  const double needed = (kBytesPerPixel + (s.for_denoising ? kBytesToDenoise : 0)) * part.width * part.height;
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   if (needed > memory)
     fail(

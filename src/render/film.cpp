@@ -5,6 +5,20 @@
 #include <limits>
 
 namespace etendue {
+namespace {
+
+void put(const PixelSums& pixel, std::size_t i, PictureHalf& half) {
+  const double n = pixel.samples;
+  for (int c = 0; c < 3; ++c) {
+    half.color.pixels()[i][c] = static_cast<float>(pixel.sum[c] / n);
+    half.variance.pixels()[i][c] = static_cast<float>(pixel.variance(c) / n);
+    half.albedo.pixels()[i][c] = static_cast<float>(pixel.albedo[c] / n);
+    half.normal.pixels()[i][c] = static_cast<float>(pixel.normal[c] / n);
+  }
+  half.depth[i] = static_cast<float>(pixel.hits > 0 ? pixel.depth / pixel.hits : 0.0);
+}
+
+}  // namespace
 
 void PixelSums::add(const PixelSample& s) {
   const auto square_of = [](double x) { return x * x; };
@@ -34,6 +48,35 @@ double PixelSums::luminance_error() const {
   return std::sqrt(variance / n);
 }
 
+double PixelSums::variance(int channel) const {
+  if (samples < 2) return 0;
+  const double n = samples, mean = sum[channel] / n;
+  return std::max(0.0, (sum_of_squares[channel] - n * mean * mean) / (n - 1));
+}
+
+PixelSums PixelSums::since(const PixelSums& earlier) const {
+  PixelSums rest = *this;
+  for (int c = 0; c < 3; ++c) {
+    rest.sum[c] -= earlier.sum[c];
+    rest.sum_of_squares[c] -= earlier.sum_of_squares[c];
+    rest.albedo[c] -= earlier.albedo[c];
+    rest.normal[c] -= earlier.normal[c];
+  }
+  rest.luminance_squares -= earlier.luminance_squares;
+  rest.depth -= earlier.depth;
+  rest.hits -= earlier.hits;
+  rest.samples -= earlier.samples;
+  return rest;
+}
+
+void Film::add(int x, int y, std::span<const PixelSample> samples, std::size_t in_first_half) {
+  PixelSums& pixel = at(x, y);
+  for (const PixelSample& sample : samples) pixel.add(sample);
+  if (!keeps_half()) return;
+  PixelSums& half = first_half_[static_cast<std::size_t>(y) * width_ + x];
+  for (const PixelSample& sample : samples.first(in_first_half)) half.add(sample);
+}
+
 Image Film::beauty() const {
   Image image(width(), height());
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
@@ -60,11 +103,22 @@ Picture Film::picture() const {
   for (int c = 0; c < 3; ++c) channel(kNormal[c], [c](const PixelSums& p) { return p.normal[c] / p.samples; });
   channel("depth.Z", [](const PixelSums& p) { return p.hits > 0 ? p.depth / p.hits : 0.0; });
   channel("samples.N", [](const PixelSums& p) { return static_cast<double>(p.samples); });
-  for (int c = 0; c < 3; ++c)
-    channel(kVariance[c], [c](const PixelSums& p) {
-      const double n = p.samples, mean = p.sum[c] / n;
-      return n > 1 ? std::max(0.0, (p.sum_of_squares[c] - n * mean * mean) / (n - 1)) : 0.0;
-    });
+  for (int c = 0; c < 3; ++c) channel(kVariance[c], [c](const PixelSums& p) { return p.variance(c); });
+  return picture;
+}
+
+std::optional<NoisyPicture> Film::noisy_picture() const {
+  const bool enough = std::ranges::all_of(pixels_, [](const PixelSums& p) { return p.samples >= kMinimumToDenoise; });
+  if (!keeps_half() || !enough) return std::nullopt;
+  NoisyPicture picture;
+  for (PictureHalf& half : picture.halves) {
+    half.color = half.variance = half.albedo = half.normal = Image(width(), height());
+    half.depth.resize(pixels_.size());
+  }
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    put(first_half_[i], i, picture.halves[0]);
+    put(pixels_[i].since(first_half_[i]), i, picture.halves[1]);
+  }
   return picture;
 }
 

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
+#include "denoise/denoise.h"
 #include "image/image.h"
 #include "math/spectrum.h"
 #include "math/vec.h"
@@ -35,22 +38,35 @@ struct PixelSums {
   double mean_luminance() const;
   /// σ/√n of the luminance; ∞ before two samples.
   double luminance_error() const;
+  /// Of one sample in a channel; 0 before two samples.
+  double variance(int channel) const;
+  /// What was added since `earlier`.
+  PixelSums since(const PixelSums& earlier) const;
 };
 
 /// The picture in the making.
 class Film {
  public:
-  Film(int width, int height) : width_(width), pixels_(static_cast<std::size_t>(width) * height) {}
+  /// With `keeps_half`, what the first half of the samples gave is summed on its own as well, for denoising.
+  Film(int width, int height, bool keeps_half = false)
+      : width_(width),
+        pixels_(static_cast<std::size_t>(width) * height),
+        first_half_(keeps_half ? pixels_.size() : std::size_t{0}) {}
 
   int width() const { return width_; }
   int height() const { return static_cast<int>(pixels_.size()) / width_; }
   PixelSums& at(int x, int y) { return pixels_[static_cast<std::size_t>(y) * width_ + x]; }
   const PixelSums& at(int x, int y) const { return pixels_[static_cast<std::size_t>(y) * width_ + x]; }
   const std::vector<PixelSums>& pixels() const { return pixels_; }
+  bool keeps_half() const { return !first_half_.empty(); }
+  /// Adds samples to a pixel; in_first_half of them, the first ones, belong to the first half.
+  void add(int x, int y, std::span<const PixelSample> samples, std::size_t in_first_half);
 
   Image beauty() const;
   /// The beauty with the channels that RenderSession::snapshot names.
   Picture picture() const;
+  /// Nothing unless it keeps the first half, and has kMinimumToDenoise samples of each pixel.
+  std::optional<NoisyPicture> noisy_picture() const;
   /// Mean over pixels of σ/√n / (mean + 0.01), luminance; ∞ before two samples.
   double noise() const;
   /// How many pixels no sample has reached.
@@ -59,6 +75,7 @@ class Film {
  private:
   int width_;
   std::vector<PixelSums> pixels_;
+  std::vector<PixelSums> first_half_;  ///< empty unless kept
 };
 
 }  // namespace etendue

@@ -20,6 +20,9 @@ using Clock = std::chrono::steady_clock;
 /// What a pass without a given number of samples should last: short enough to steer by, long enough to start cheaply.
 constexpr double kPassSeconds = 0.5;
 
+/// What the seeds of a picture's two halves differ by.
+constexpr std::uint64_t kSecondHalf = 0x9e3779b97f4a7c15u;
+
 /// In metres; as far as geometry may reach.
 constexpr float kFarthestCamera = 1e12f;
 
@@ -61,6 +64,7 @@ struct RenderSession::Impl {
   RenderSettings settings;
   CropWindow window;
   std::unique_ptr<Integrator> integrator;
+  std::unique_ptr<Integrator> second_integrator;  ///< of the second half of the samples, if it is to be independent
   Film film;
 
   std::atomic<std::uint64_t> rays{0}, samples_done{0}, samples_saved{0}, invalid_samples{0};
@@ -75,8 +79,14 @@ struct RenderSession::Impl {
         settings(chosen),
         window(chosen.crop.value_or(CropWindow{0, 0, chosen.width, chosen.height})),
         integrator(make_integrator(scene.data(), camera, settings)),
-        film(window.width, window.height) {}
+        film(window.width, window.height, chosen.for_denoising) {
+    if (!settings.for_denoising) return;
+    RenderSettings other = settings;
+    other.seed ^= kSecondHalf;
+    second_integrator = make_integrator(scene.data(), camera, other);
+  }
 
+  void add_samples(int x, int y, std::uint32_t first, std::uint32_t count, TileCounts& counts);
   void render_tile(int x0, int y0, std::uint32_t samples, const std::stop_token& stop);
   void render_pixel(int x, int y, std::uint32_t samples, TileCounts& counts);
   void note_invalid(int x, int y, std::uint32_t sample);
@@ -88,26 +98,35 @@ void RenderSession::Impl::note_invalid(int x, int y, std::uint32_t sample) {
   if (first_invalid.empty()) first_invalid = fmt::format("pixel ({}, {}), sample {}", x, y, sample);
 }
 
+/// Adds samples first, first + 1, … to one pixel of the window. For denoising, every other one belongs to the second
+/// half, which has sequences of its own.
+void RenderSession::Impl::add_samples(int x, int y, std::uint32_t first, std::uint32_t count, TileCounts& counts) {
+  PixelSample batch[Geometry::kBatch];
+  const auto of_first_half = [&](std::uint32_t samples) { return second_integrator ? (samples + 1) / 2 : samples; };
+  const std::uint32_t begin = of_first_half(first), here = of_first_half(first + count) - begin;
+  const std::span samples(batch, count);
+  if (here > 0) counts.rays += integrator->estimate(window.x + x, window.y + y, begin, samples.first(here));
+  if (here < count)
+    counts.rays += second_integrator->estimate(window.x + x, window.y + y, first - begin, samples.subspan(here));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (is_valid(batch[i].radiance)) continue;
+    note_invalid(window.x + x, window.y + y, first + i);
+    batch[i].radiance = Spectrum(0);
+  }
+  film.add(x, y, samples, here);
+}
+
 /// Adds up to `samples` samples to one pixel of the window.
 void RenderSession::Impl::render_pixel(int x, int y, std::uint32_t samples, TileCounts& counts) {
   PixelSums& pixel = film.at(x, y);
   const std::uint32_t before = pixel.samples;
   const std::uint32_t target =
       std::min(whole_batches(before + samples), static_cast<std::uint32_t>(settings.samples_per_pixel));
-  PixelSample batch[Geometry::kBatch];
   while (pixel.samples < target && !pixel.finished) {
     const std::uint32_t check = next_check(pixel.samples, settings);
     const std::uint32_t end = std::min(target, check);
     const auto count = std::min(end, whole_batches(pixel.samples + 1)) - pixel.samples;
-    const std::uint32_t first = pixel.samples;
-    counts.rays += integrator->estimate(window.x + x, window.y + y, first, std::span(batch, count));
-    for (std::uint32_t i = 0; i < count; ++i) {
-      if (!is_valid(batch[i].radiance)) {
-        note_invalid(window.x + x, window.y + y, first + i);
-        batch[i].radiance = Spectrum(0);
-      }
-      pixel.add(batch[i]);
-    }
+    add_samples(x, y, pixel.samples, count, counts);
     if (pixel.samples == check && settings.adaptive && has_settled(pixel, *settings.adaptive)) pixel.finished = true;
     if (pixel.samples >= static_cast<std::uint32_t>(settings.samples_per_pixel)) pixel.finished = true;
   }
@@ -198,6 +217,10 @@ Picture RenderSession::snapshot() const {
 }
 Image RenderSession::beauty() const {
   return impl_->film.beauty();
+}
+
+std::optional<NoisyPicture> RenderSession::noisy_picture() const {
+  return impl_->film.noisy_picture();
 }
 
 Image RenderSession::sample_rate_picture() const {

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 
 #include "camera/camera.h"
+#include "denoise/denoise.h"
 #include "image/image.h"
 #include "render/render_scene.h"
 #include "render/settings.h"
@@ -47,6 +49,10 @@ class RenderSession {
 
   /// The beauty alone, cheaper, for previews. Not while a pass runs.
   Image beauty() const;
+
+  /// The picture so far as a denoiser needs it. Nothing unless the settings ask for it, and every pixel has
+  /// kMinimumToDenoise samples. Not while a pass runs.
+  std::optional<NoisyPicture> noisy_picture() const;
 
   /// Samples each pixel took, blue (few) to red (many), relative to samples_per_pixel.
   Image sample_rate_picture() const;

@@ -45,6 +45,7 @@ struct RenderSettings {
   scene::ReconstructionFilter filter;  ///< how samples near a pixel count towards it
   std::uint64_t seed = 0;
   std::optional<AdaptiveSampling> adaptive;
+  bool for_denoising = false;  ///< make the samples two independent halves, and keep both
   int tile_size = 16;  ///< pixels along the side of a unit of work; changes no pixel
 };
 
