@@ -11,7 +11,7 @@ import sys
 import tempfile
 
 # Top to bottom: a folder includes itself and what stands before it.
-ORDER = ["base", "math", "testing", "image", "denoise", "scene", "formats", "volumes", "sampling", "geometry", "materials", "lights", "media", "camera", "render",
+ORDER = ["base", "math", "testing", "image", "denoise", "scene", "formats", "volumes", "sampling", "photons", "geometry", "materials", "lights", "media", "camera", "render",
          "apps"]
 
 # What tests share stands high up, but only tests may lean on it.

@@ -102,8 +102,8 @@ void check_files(const RenderOptions& options, const RenderStats& stats) {
 }
 
 bool needs_light(IntegratorKind integrator) {
-  return integrator == IntegratorKind::path || integrator == IntegratorKind::direct ||
-         integrator == IntegratorKind::hemisphere;
+  return integrator == IntegratorKind::automatic || integrator == IntegratorKind::path ||
+         integrator == IntegratorKind::direct || integrator == IntegratorKind::hemisphere;
 }
 
 /// A black picture is explained beforehand.
@@ -134,6 +134,7 @@ std::string_view describe(Ending ending) {
 
 Picture labelled(Picture picture, const RenderOptions& options, const RenderStats& stats) {
   auto& metadata = picture.metadata;
+  metadata["estimator"] = stats.estimator;
   metadata["scene"] = stats.scene;
   metadata["settings"] = options.command_line;
   metadata["version"] = ETENDUE_VERSION;
@@ -218,6 +219,7 @@ void tell_ending(Ending ending, const RenderOptions& options, const RenderStats&
                        stats.height, counted(fmt::format("{:.4g}", stats.samples_per_pixel), "sample"),
                        describe_noise(stats.noise), as_duration(stats.render_seconds),
                        with_magnitude(static_cast<double>(stats.rays) / std::max(stats.render_seconds, 1e-9))));
+  if (stats.estimator != "unbiased") log_info(fmt::format("the estimate is {}", stats.estimator));
   if (!outputs.empty()) log_info(fmt::format("wrote {}", outputs));
   log_debug(fmt::format("{} of processor time for rendering, at most {}B of memory", as_duration(stats.cpu_seconds),
                         with_magnitude(static_cast<double>(peak_memory_bytes()))));
@@ -291,6 +293,7 @@ int run(const RenderOptions& asked) {
                  {on_terminal && !options.quiet, options.preview, {options.exposure_stops}});
   stats.cpu_seconds = process_cpu_seconds() - cpu_start;
   stats.ending = describe(ending);
+  stats.estimator = session.estimator();
   const RenderProgress progress = session.progress();
   add_progress(stats, progress);
 

@@ -72,14 +72,16 @@ void add_picture_flags(CLI::App& app, RenderFlags& f) {
                s.crop = CropWindow{at(0, 0), at(1, 0), at(2, 1), at(3, 1)};
              })
       ->group("Picture");
-  flags::choice<IntegratorKind>(app, "--integrator", f.integrator,
-                                {{"path", IntegratorKind::path},
-                                 {"direct", IntegratorKind::direct},
-                                 {"hemisphere", IntegratorKind::hemisphere},
-                                 {"normals", IntegratorKind::normals},
-                                 {"albedo", IntegratorKind::albedo},
-                                 {"ao", IntegratorKind::ao}},
-                                "What to compute (default path: all light)")
+  flags::choice<IntegratorKind>(
+      app, "--integrator", f.integrator,
+      {{"auto", IntegratorKind::automatic},
+       {"path", IntegratorKind::path},
+       {"direct", IntegratorKind::direct},
+       {"hemisphere", IntegratorKind::hemisphere},
+       {"normals", IntegratorKind::normals},
+       {"albedo", IntegratorKind::albedo},
+       {"ao", IntegratorKind::ao}},
+      "What to compute (default auto: all light, by what suits the scene; path: plain path tracing)")
       ->group("Picture");
   app.add_flag("-H,--hemisphere", f.hemisphere, "Direct light by uniform directions (= --integrator hemisphere)")
       ->group("Picture");
@@ -128,6 +130,18 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
   flags::choice<SamplerKind>(app, "--sampler", s.sampler,
                              {{"sobol", SamplerKind::sobol}, {"independent", SamplerKind::independent}},
                              "Where samples fall (default sobol)")
+      ->group("Sampling");
+  const std::vector<std::pair<std::string_view, Use>> uses{
+      {"auto", Use::automatic}, {"on", Use::on}, {"off", Use::off}};
+  flags::choice<Use>(app, "--photons", s.photons, uses, "Photons for light by way of mirrors and glass (default auto)")
+      ->group("Sampling");
+  flags::choice<Use>(app, "--reuse", s.reuse, uses, "Neighbouring pixels share their paths (default auto)")
+      ->group("Sampling");
+  flags::choice<Use>(app, "--airlight", s.airlight, uses,
+                     "Rays through even fog gather light of lamps on their whole way (default auto)")
+      ->group("Sampling");
+  flags::number(app, "--clamp", s.clamp, Range{std::numeric_limits<float>::min(), kHuge}, "X",
+                "No sample counts as brighter than this; biased (default: off)")
       ->group("Sampling");
   flags::number(app, "--seed", s.seed, Range<std::uint64_t>{0, std::numeric_limits<std::uint64_t>::max()}, "N",
                 "Another seed is another noise (default 0)")
@@ -303,7 +317,7 @@ RenderOptions settled(const RenderFlags& f) {
   if (o.outputs.empty() && !o.preview) fail("render needs a place for the picture: add -o FILE.png (or .exr)");
   check_camera(f);
   if (f.hemisphere && f.integrator) fail("--hemisphere and --integrator both say what to compute; give one of them");
-  o.settings.integrator = f.hemisphere ? IntegratorKind::hemisphere : f.integrator.value_or(IntegratorKind::path);
+  o.settings.integrator = f.hemisphere ? IntegratorKind::hemisphere : f.integrator.value_or(IntegratorKind::automatic);
   if (f.adaptive && f.adaptive->tolerance > 0) o.settings.adaptive = f.adaptive;
   const bool ends_otherwise = o.time_limit_seconds || o.noise_target;
   o.settings.samples_per_pixel = f.spp.value_or(ends_otherwise ? kMostSamplesPerPixel : o.settings.samples_per_pixel);

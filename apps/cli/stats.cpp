@@ -52,6 +52,7 @@ void write_stats(const std::filesystem::path& path, const RenderStats& s) {
       {"rays_per_second", s.render_seconds > 0 ? static_cast<double>(s.rays) / s.render_seconds : 0.0},
       {"samples_per_pixel", s.samples_per_pixel},
       {"noise", s.noise},
+      {"estimator", s.estimator},
       {"invalid_samples", s.invalid_samples},
       {"peak_memory_bytes", peak_memory_bytes()},
   };

@@ -19,8 +19,9 @@ struct RenderStats {
   std::uint64_t rays = 0;
   double samples_per_pixel = 0;
   std::uint64_t invalid_samples = 0;
-  double noise = 0;    ///< null in JSON if there were too few samples to tell
-  std::string ending;  ///< "complete", "time limit", …
+  double noise = 0;       ///< null in JSON if there were too few samples to tell
+  std::string ending;     ///< "complete", "time limit", …
+  std::string estimator;  ///< "unbiased", or what it is instead and why
 };
 
 /// User and system time of this process so far, all threads, in seconds.

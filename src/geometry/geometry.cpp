@@ -110,51 +110,52 @@ RTCGeometry Geometry::Embree::make_instance(RTCScene group, const Transform& to_
   return g;
 }
 
-std::uint32_t Geometry::add_shape(Kind kind, std::size_t index) {
+std::uint32_t Geometry::add_shape(Kind kind, std::size_t index, const Bounds3& bounds) {
+  open_bounds().extend(bounds);
+  shape_bounds_.push_back(bounds);
   shapes_.push_back({kind, static_cast<std::uint32_t>(index)});
   return static_cast<std::uint32_t>(shapes_.size() - 1);
 }
 
 std::uint32_t Geometry::add(TriangleMesh mesh) {
+  Bounds3 bounds;
   for (const auto& triangle : mesh.triangles)
-    for (const std::uint32_t vertex : triangle) open_bounds().extend(mesh.positions[vertex]);
+    for (const std::uint32_t vertex : triangle) bounds.extend(mesh.positions[vertex]);
   triangle_count_ += mesh.triangles.size();
   // Embree reads 16 bytes at each vertex, so the last one needs room behind it.
   mesh.positions.reserve(mesh.positions.size() + 2);
   std::vector<std::uint32_t>& attribute_ids = mesh_attribute_ids_.emplace_back();
   for (const MeshAttribute& attribute : mesh.attributes) attribute_ids.push_back(attribute_id(attribute.name));
   meshes_.push_back(std::move(mesh));
-  return add_shape(Kind::mesh, meshes_.size() - 1);
+  return add_shape(Kind::mesh, meshes_.size() - 1, bounds);
 }
 
 std::uint32_t Geometry::add(const SphereShape& sphere) {
-  open_bounds().extend(sphere.center - Vec3(sphere.radius));
-  open_bounds().extend(sphere.center + Vec3(sphere.radius));
   spheres_.push_back(sphere);
-  return add_shape(Kind::sphere, spheres_.size() - 1);
+  return add_shape(Kind::sphere, spheres_.size() - 1,
+                   {sphere.center - Vec3(sphere.radius), sphere.center + Vec3(sphere.radius)});
 }
 
 std::uint32_t Geometry::add(const DiskShape& disk) {
-  open_bounds().extend(bounds_of(disk));
   disks_.push_back(disk);
-  return add_shape(Kind::disk, disks_.size() - 1);
+  return add_shape(Kind::disk, disks_.size() - 1, bounds_of(disk));
 }
 
 std::uint32_t Geometry::add(const CylinderShape& cylinder) {
-  open_bounds().extend(bounds_of(cylinder));
   cylinders_.push_back(cylinder);
-  return add_shape(Kind::cylinder, cylinders_.size() - 1);
+  return add_shape(Kind::cylinder, cylinders_.size() - 1, bounds_of(cylinder));
 }
 
 std::uint32_t Geometry::add(CurvesShape curves) {
+  Bounds3 bounds;
   const std::uint32_t used = curves.basis == CurvesShape::Basis::linear ? 2 : 4;
   for (const std::uint32_t first : curves.segments)
     for (std::uint32_t i = first; i < first + used; ++i) {
-      open_bounds().extend(curves.points[i].position - Vec3(curves.points[i].radius));
-      open_bounds().extend(curves.points[i].position + Vec3(curves.points[i].radius));
+      bounds.extend(curves.points[i].position - Vec3(curves.points[i].radius));
+      bounds.extend(curves.points[i].position + Vec3(curves.points[i].radius));
     }
   curves_.push_back(std::move(curves));
-  return add_shape(Kind::curves, curves_.size() - 1);
+  return add_shape(Kind::curves, curves_.size() - 1, bounds);
 }
 
 std::uint32_t Geometry::begin_group() {

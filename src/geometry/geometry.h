@@ -160,6 +160,8 @@ class Geometry {
   std::size_t group_count() const { return groups_.size(); }
   std::size_t instance_count() const { return instances_.size(); }
   const Bounds3& bounds() const { return bounds_; }
+  /// Of one shape, in the space of its group.
+  const Bounds3& shape_bounds(std::uint32_t shape) const { return shape_bounds_[shape]; }
 
  private:
   struct Shape {
@@ -180,7 +182,7 @@ class Geometry {
   };
   struct Embree;
 
-  std::uint32_t add_shape(Kind kind, std::size_t index);
+  std::uint32_t add_shape(Kind kind, std::size_t index, const Bounds3& bounds);
   Bounds3& open_bounds() { return group_is_open_ ? groups_.back().bounds : bounds_; }
   RayHit resolved(RayHit hit, std::uint32_t embree_instance) const;
   SurfaceHit instanced_surface(const Ray& ray, const RayHit& hit) const;
@@ -191,6 +193,7 @@ class Geometry {
   const MeshAttribute* find_attribute(std::uint32_t shape, std::uint32_t attribute) const;
 
   std::vector<Shape> shapes_;
+  std::vector<Bounds3> shape_bounds_;  ///< of each shape
   std::vector<TriangleMesh> meshes_;
   std::vector<SphereShape> spheres_;
   std::vector<DiskShape> disks_;

@@ -98,6 +98,17 @@ TexturedMeshLight::TexturedMeshLight(const Glow& glow_in) : glow(glow_in) {
   parts = DiscreteDistribution(weights);
 }
 
+AreaPoint TexturedMeshLight::sample_area(Vec2 u, float choice) const {
+  const DiscreteDistribution::Sample chosen = parts.sample(choice);
+  AreaPoint point = point_on(static_cast<std::uint32_t>(chosen.index), sample_triangle_uniform(u));
+  point.pdf_area = chosen.probability / part_area(point.hit.primitive);
+  return point;
+}
+
+float TexturedMeshLight::pdf_area(const LightHit& hit) const {
+  return parts.probability(part_at(hit)) / part_area(hit.primitive);
+}
+
 std::optional<LightSample> TexturedMeshLight::sample(std::uint32_t part, const Point3& from, Vec2 u) const {
   const AreaPoint point = point_on(part, sample_triangle_uniform(u));
   std::optional<LightSample> sample = seen_from(from, point.surface, 1 / part_area(point.hit.primitive));
@@ -159,24 +170,24 @@ std::optional<LightSample> CurvedLight::sample(const Point3& from, Vec2 u) const
   return sample;
 }
 
-float CurvedLight::pdf_hit(const Point3& from, const LightHit& hit) const {
+float CurvedLight::pdf_area(const LightHit& hit) const {
   const Geometry& geometry = *glow.geometry;
-  float pdf_area = 0;
   switch (geometry.kind(glow.shape)) {
     case Geometry::Kind::disk: {
       const ShapePoint p = point_at(geometry.disk(glow.shape), hit.u, hit.v);
-      pdf_area = disk_pdf() / length(cross(p.dp_da, p.dp_db));
-      break;
+      return disk_pdf() / length(cross(p.dp_da, p.dp_db));
     }
     case Geometry::Kind::cylinder: {
       const ShapePoint p = point_at(geometry.cylinder(glow.shape), hit.u, hit.v);
-      pdf_area = 1 / length(cross(p.dp_da, p.dp_db));
-      break;
+      return 1 / length(cross(p.dp_da, p.dp_db));
     }
     default:
-      pdf_area = sphere_uniform_pdf() / square(geometry.sphere(glow.shape).radius);
+      return sphere_uniform_pdf() / square(geometry.sphere(glow.shape).radius);
   }
-  return to_solid_angle(from, hit, pdf_area);
+}
+
+float CurvedLight::pdf_hit(const Point3& from, const LightHit& hit) const {
+  return to_solid_angle(from, hit, pdf_area(hit));
 }
 
 float CurvedLight::power(const Bounds3&) const {

@@ -203,6 +203,8 @@ struct TexturedMeshLight {
   float flux = 0;              ///< luminance
 
   explicit TexturedMeshLight(const Glow& glow);
+  AreaPoint sample_area(Vec2 u, float choice) const;  ///< all over it
+  float pdf_area(const LightHit& hit) const;          ///< of sample_area
   std::optional<LightSample> sample(std::uint32_t part, const Point3& from, Vec2 u) const;
   std::uint32_t part_at(const LightHit& hit) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
@@ -221,6 +223,7 @@ struct CurvedLight {
   float flux = 0;  ///< luminance
 
   explicit CurvedLight(const Glow& glow);
+  float pdf_area(const LightHit& hit) const;  ///< of sample_curved
   std::optional<LightSample> sample(const Point3& from, Vec2 u) const;
   float pdf_hit(const Point3& from, const LightHit& hit) const;
   float power(const Bounds3& scene) const;

@@ -11,7 +11,7 @@ namespace {
 
 /// What a material asks for by itself, without those that it names.
 struct Needs {
-  bool texture_point = false, tangents = false, passes = false;
+  bool texture_point = false, tangents = false, passes = false, specular = false;
   std::vector<std::uint32_t> inner;
 };
 
@@ -34,10 +34,14 @@ struct NeedsFinder {
     needs.tangents |= a != FloatSource(0.0f);
   }
 
-  void operator()(const UniformMaterial& m) { needs.passes = !straight_through(m.bsdf, {0, 0, 1}).is_black(); }
+  void operator()(const UniformMaterial& m) {
+    needs.passes = !straight_through(m.bsdf, {0, 0, 1}).is_black();
+    const auto* glass = std::get_if<DielectricBsdf>(&m.bsdf);
+    needs.specular = std::holds_alternative<MirrorBsdf>(m.bsdf) || (glass != nullptr && !needs.passes);
+  }
   void operator()(const DiffuseMaterial& m) { look(m.reflectance); }
   void operator()(const ConductorMaterial& m) { look(m.reflectance), widths(m.alpha_u, m.alpha_v); }
-  void operator()(const SmoothConductorMaterial& m) { look(m.reflectance); }
+  void operator()(const SmoothConductorMaterial& m) { look(m.reflectance), needs.specular = true; }
   void operator()(const ThinGlassMaterial& m) { look_at(m.reflectance, m.transmittance), needs.passes = true; }
   void operator()(const RoughGlassMaterial& m) {
     look_at(m.reflectance, m.transmittance), widths(m.alpha_u, m.alpha_v);
@@ -89,14 +93,16 @@ void resolve_needs(Materials& materials) {
         needs[i].texture_point |= needs[inner].texture_point;
         needs[i].tangents |= needs[inner].tangents;
         needs[i].passes |= needs[inner].passes;
+        needs[i].specular |= needs[inner].specular;
         changed |= before.texture_point != needs[i].texture_point || before.tangents != needs[i].tangents ||
-                   before.passes != needs[i].passes;
+                   before.passes != needs[i].passes || before.specular != needs[i].specular;
       }
   }
   for (std::size_t i = 0; i < materials.size(); ++i) {
     materials[i].needs_texture_point = needs[i].texture_point;
     materials[i].needs_tangents = needs[i].tangents;
     materials[i].may_pass = needs[i].passes;
+    materials[i].specular = needs[i].specular;
   }
 }
 
@@ -297,12 +303,12 @@ BsdfEval Scattering::eval(const Vec3& wi) const {
   return eval;
 }
 
-std::optional<BsdfSample> Scattering::sample(Vec2 u, float choice) const {
+std::optional<BsdfSample> Scattering::sample(Vec2 u, float choice, TransportMode mode) const {
   if (opacity_ < 1) {
     if (choice >= opacity_) return BsdfSample{-wo_, Spectrum(1), 0, Lobe::straight, 1};
     choice = std::min(choice / opacity_, kOneMinusEpsilon);
   }
-  std::optional<BsdfSample> sample = sample_bsdf(bsdf(), wo_local_, u, choice);
+  std::optional<BsdfSample> sample = sample_bsdf(bsdf(), wo_local_, u, choice, mode);
   if (!sample) return std::nullopt;
   const Vec3 wi = normalize(frame_.to_world(sample->wi));  // or rounding would grow along chains of refractions
   if (!is_consistent(wi, sample->wi)) return std::nullopt;

@@ -93,10 +93,11 @@ struct Material {
   bool needs_texture_point = false;    ///< scatter() looks at the texture coordinates
   bool needs_tangents = false;         ///< scatter() looks at the tangents
   bool may_pass = false;               ///< light may go straight through (null, mask, thin glass)
+  bool specular = false;  ///< all light, or much, may be scattered into one direction (mirrors, smooth glass)
 };
 using Materials = std::vector<Material>;
 
-/// Sets the flags `needs_…` and `may_pass` of all materials from what they and those they name are made of.
+/// Sets the flags `needs_…`, `may_pass` and `specular` of all materials from what they and those they name are made of.
 void resolve_needs(Materials& materials);
 
 /// A surface point with all that materials may ask for.
@@ -115,11 +116,13 @@ class Scattering {
   /// come from.
   BsdfEval eval(const Vec3& wi) const;
   /// Where light may come from; Lobe::straight for light that passes as if nothing were there.
-  std::optional<BsdfSample> sample(Vec2 u, float choice) const;
+  std::optional<BsdfSample> sample(Vec2 u, float choice, TransportMode mode = TransportMode::radiance) const;
 
   bool is_delta() const { return opacity_ == 0 || etendue::is_delta(bsdf()); }
   bool transmits() const { return etendue::transmits(bsdf()); }
   Spectrum albedo() const { return etendue::albedo(bsdf()) * opacity_; }
+  /// Whether it looks the same from everywhere on the side that it is seen from.
+  bool is_lambertian() const { return opacity_ == 1 && !mapped_ && std::holds_alternative<DiffuseBsdf>(bsdf()); }
   const Vec3& normal() const { return frame_.n; }
   /// Probability that the surface is there at all.
   float opacity() const { return opacity_; }

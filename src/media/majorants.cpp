@@ -3,6 +3,21 @@
 #include <algorithm>
 
 namespace etendue {
+
+Ray within_bounds(const Ray& ray, const Bounds3& box) {
+  Ray inside = ray;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float o = ray.origin[axis], d = ray.direction[axis];
+    if (d == 0) {
+      if (o < box.min[axis] || o > box.max[axis]) inside.t_max = inside.t_min;
+      continue;
+    }
+    const float a = (box.min[axis] - o) / d, b = (box.max[axis] - o) / d;
+    inside.t_min = std::max(inside.t_min, std::min(a, b));
+    inside.t_max = std::min(inside.t_max, std::max(a, b));
+  }
+  return inside;
+}
 namespace {
 
 /// Cells along each axis: more are left sooner than they save steps.
@@ -35,21 +50,6 @@ bool MajorantGrid::contains(const Point3& p) const {
   for (int axis = 0; axis < 3; ++axis)
     if (!(p[axis] >= bounds_.min[axis] && p[axis] <= bounds_.max[axis])) return false;
   return true;
-}
-
-MajorantGrid::Interval MajorantGrid::clip(const Ray& ray) const {
-  Interval inside{ray.t_min, ray.t_max};
-  for (int axis = 0; axis < 3; ++axis) {
-    const float o = ray.origin[axis], d = ray.direction[axis];
-    if (d == 0) {
-      if (o < bounds_.min[axis] || o > bounds_.max[axis]) return {0, 0};
-      continue;
-    }
-    const float a = (bounds_.min[axis] - o) / d, b = (bounds_.max[axis] - o) / d;
-    inside.begin = std::max(inside.begin, std::min(a, b));
-    inside.end = std::min(inside.end, std::max(a, b));
-  }
-  return inside;
 }
 
 }  // namespace etendue

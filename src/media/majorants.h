@@ -10,6 +10,9 @@
 
 namespace etendue {
 
+/// The part of a ray within a box: t_min ≥ t_max if they do not meet.
+Ray within_bounds(const Ray& ray, const Bounds3& box);
+
 /// What a volume's values lie between, in each cell of a coarse grid over its bounds: where little is, tracking takes
 /// long steps.
 class MajorantGrid {
@@ -26,11 +29,6 @@ class MajorantGrid {
   void walk(const Ray& ray, const Visit& visit) const;
 
  private:
-  struct Interval {
-    float begin, end;
-  };
-  Interval clip(const Ray& ray) const;
-
   Bounds3 bounds_;
   int resolution_ = 0;
   Vec3 cell_size_{0, 0, 0};
@@ -39,7 +37,8 @@ class MajorantGrid {
 
 template <typename Visit>
 void MajorantGrid::walk(const Ray& ray, const Visit& visit) const {
-  const auto [begin, end] = clip(ray);
+  const Ray inside = within_bounds(ray, bounds_);
+  const float begin = inside.t_min, end = inside.t_max;
   if (!(begin < end)) return;
   const Point3 entry = ray.at(begin);
   int cell[3], step[3];

@@ -13,18 +13,19 @@ constexpr float kOcclusionReach = 0.25f;
 
 }  // namespace
 
-std::uint64_t DebugIntegrator::estimate(int x, int y, std::uint32_t first, std::span<PixelSample> samples) const {
-  const PixelSampler sampler(settings_.sampler, settings_.seed, static_cast<std::uint32_t>(x),
-                             static_cast<std::uint32_t>(y));
+std::uint64_t DebugIntegrator::estimate(const PixelBlock& block, std::uint32_t first, int count,
+                                        std::span<PixelSample> samples) const {
+  const PixelSampler sampler(settings_.sampler, settings_.seed, static_cast<std::uint32_t>(block.x),
+                             static_cast<std::uint32_t>(block.y));
   Ray rays[Geometry::kBatch];
   RayHit hits[Geometry::kBatch];
-  const auto count = samples.size();
-  camera_rays_.generate(sampler, x, y, first, std::span(rays, count), samples);
-  scene_.geometry.intersect_coherent(std::span(rays, count), std::span(hits, count));
+  const std::span<const Ray> starting(rays, samples.size());
+  camera_rays_.generate(sampler, block.x, block.y, first, std::span(rays, samples.size()), samples);
+  scene_.geometry.intersect_coherent(starting, std::span(hits, samples.size()));
   float u[Geometry::kBatch], v[Geometry::kBatch];
-  sampler.points(dimension::at(0, dimension::kDirection), first, static_cast<int>(count), u, v);
-  std::uint64_t traced = count;
-  for (std::size_t i = 0; i < count; ++i) {
+  sampler.points(dimension::at(0, dimension::kDirection), first, count, u, v);
+  std::uint64_t traced = samples.size();
+  for (int i = 0; i < count; ++i) {
     if (!hits[i].found()) continue;
     const Vertex vertex = find_vertex(scene_, rays[i], hits[i]);
     camera_rays_.describe(rays[i], vertex.surface, samples[i]);

@@ -9,7 +9,8 @@ class DebugIntegrator : public Integrator {
  public:
   DebugIntegrator(const RenderScene::Data& scene, const Camera& camera, const RenderSettings& settings)
       : scene_(scene), settings_(settings), camera_rays_(scene, camera, settings) {}
-  std::uint64_t estimate(int x, int y, std::uint32_t first, std::span<PixelSample> samples) const override;
+  std::uint64_t estimate(const PixelBlock& block, std::uint32_t first, int count,
+                         std::span<PixelSample> samples) const override;
 
  private:
   const RenderScene::Data& scene_;

@@ -21,6 +21,36 @@ constexpr int kRouletteStart = 5;
 constexpr int kManySegments = 1000;
 constexpr float kMaxSurvival = 0.99f;
 
+/// Of chosen lights, at a path's first and second vertex that look for them, and at all others: the first count for
+/// more of the picture than the rest of the path, the second are shared with neighbours.
+constexpr int kLightSamples[] = {4, 2, 1};
+constexpr int kMostLightSamples = 4;
+
+/// Pixels along the side of a block whose paths are shared: its square is the most that share_paths takes.
+constexpr int kReuseSide = 4;
+static_assert(kReuseSide * kReuseSide <= std::min(kBatch, PixelBlock::kMost));
+
+/// Samples of a pixel for which photons are traced anew and blocks of pixels lie differently: one batch, or as many as
+/// small pictures need to make it worth while.
+std::uint32_t usual_generation_size(const RenderSettings& settings) {
+  constexpr std::uint64_t kFewestPixels = 1 << 14;
+  const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
+  return static_cast<std::uint32_t>((kFewestPixels + pixels - 1) / pixels) * kBatch;
+}
+
+/// Whether to try a technique for light that bounces more than once.
+bool uses(const RenderSettings& settings, Use technique) {
+  if (settings.max_depth < 2 || technique == Use::off) return false;
+  return settings.integrator == IntegratorKind::automatic ||
+         (settings.integrator == IntegratorKind::path && technique == Use::on);
+}
+
+/// Pixels that share have as many samples; and denoisers expect them to know nothing of each other.
+bool shares_paths(const RenderSettings& settings) {
+  if (settings.adaptive || (settings.for_denoising && settings.reuse != Use::on)) return false;
+  return uses(settings, settings.reuse);
+}
+
 }  // namespace
 
 /// A path under way: the ray that leaves its last vertex, and what it is worth.
@@ -34,18 +64,30 @@ struct PathIntegrator::Path {
       1;          ///< product of eta² along the path: what refraction did to the throughput is no reason to end it
   int depth = 0;  ///< bounces so far
   bool from_camera = true;  ///< has not been scattered yet
+  int scatterings = 0;      ///< by anything but delta lobes
+  float light_samples = 1;  ///< that the last of these vertices took of the lights
+  SpecularChain chain;      ///< since the last vertex that looked for lights
+
+  /// How far it is on the way to something that its neighbours can use.
+  enum class Sharing { seeks_first, left_first, shares, keeps };
+  Sharing sharing = Sharing::keeps;
+  float inverse_survival = 1;  ///< of the last roulette
+  Spectrum prefix{1};          ///< while it shares: its throughput before, which `throughput` then starts anew after
 };
 
 /// The paths of one call to estimate().
 class PathIntegrator::Batch {
  public:
-  Batch(const PathIntegrator& integrator, int x, int y, std::uint32_t first, std::span<PixelSample> samples)
+  /// `shared` is where the paths leave what others can use: one of each sample, or nothing.
+  Batch(const PathIntegrator& integrator, int x, int y, std::uint32_t first, std::span<PixelSample> samples,
+        std::span<SharedPath> shared)
       : self_(integrator),
         scene_(integrator.scene_),
         sampler_(integrator.settings_.sampler, integrator.settings_.seed, static_cast<std::uint32_t>(x),
                  static_cast<std::uint32_t>(y)),
         first_(first),
         samples_(samples),
+        shared_(shared),
         count_(static_cast<int>(samples.size())) {
     start(x, y);
   }
@@ -55,6 +97,8 @@ class PathIntegrator::Batch {
       if (bounce > 0) intersect();
       if (self_.settings_.hide_emitters) look_behind_lights(bounce);
       arrive(bounce);
+      if (!shared_.empty()) share();
+      if (self_.photons_) gather_photons();
       if (self_.hemisphere_)
         sample_hemisphere(bounce);
       else
@@ -69,15 +113,20 @@ class PathIntegrator::Batch {
   void intersect();
   void look_behind_lights(int bounce);
   void arrive(int bounce);
+  void share();
+  void gather_photons();
   void sample_lights(int bounce);
-  void sample_one_light(int bounce);
+  void sample_chosen_lights(int bounce);
+  void sample_chosen_lights(int bounce, std::uint32_t seeking, int samples);
   void sample_light_for_all(int bounce, std::uint32_t light);
   void sample_hemisphere(int bounce);
+  void leave_first(int i, const BsdfSample& sample);
   void scatter(int bounce);
 
   void see_infinity();
   void see_emission(int i);
   /// Of path i's first among `samples` samples a path.
+  int light_samples(const Path& path) const { return self_.splits_ ? kLightSamples[std::min(path.scatterings, 2)] : 1; }
   std::uint64_t sample_number(int i, std::int64_t samples) const {
     return (std::uint64_t{first_} + static_cast<std::uint64_t>(i)) * static_cast<std::uint64_t>(samples);
   }
@@ -92,6 +141,10 @@ class PathIntegrator::Batch {
     return is_delta ? 0 : self_.settings_.max_depth - paths_[i].depth - 1;
   }
   Spectrum emission_along(Ray ray);
+  /// What light found by path i is added to.
+  Spectrum& radiance_of(int i) {
+    return paths_[i].sharing == Path::Sharing::shares ? shared_[i].radiance : samples_[i].radiance;
+  }
   bool counts_emission(const Path& path) const { return !self_.hemisphere_ || path.pdf_bsdf == 0; }
   /// Whether a path that goes straight on uses up nothing.
   bool may_pass_freely(const Vertex& vertex) const {
@@ -107,6 +160,7 @@ class PathIntegrator::Batch {
   PixelSampler sampler_;
   std::uint32_t first_;
   std::span<PixelSample> samples_;
+  std::span<SharedPath> shared_;
   int count_;
   std::uint64_t rays_ = 0;
 
@@ -149,6 +203,7 @@ void PathIntegrator::Batch::start(int x, int y) {
   rays_ += count_;
   for (int i = 0; i < count_; ++i) {
     paths_[i].ray = rays[i];
+    if (!shared_.empty()) paths_[i].sharing = Path::Sharing::seeks_first;
     active_[active_count_++] = i;
   }
 }
@@ -190,9 +245,12 @@ void PathIntegrator::Batch::see_infinity() {
     look_at_infinity(scene_.lights[light], std::span<const Vec3>(wi, n), std::span(views, n));
     for (std::size_t j = 0; j < n; ++j) {
       const Path& p = paths_[path[j]];
-      const float weight =
-          p.pdf_bsdf > 0 ? mis_weight(p.pdf_bsdf, views[j].pdf * self_.light_density(p.scattered_at, light, 0)) : 1.0f;
-      samples_[path[j]].radiance += p.throughput * views[j].radiance * weight;
+      float weight = 1;
+      if (p.pdf_bsdf > 0)
+        weight = mis_weight(p.pdf_bsdf, views[j].pdf * p.light_samples * self_.light_density(p.scattered_at, light, 0));
+      else if (self_.photons_)
+        weight = self_.photons_->weight_of_found(p.chain, light, p.ray.origin, wi[j], views[j].pdf);
+      radiance_of(path[j]) += p.throughput * views[j].radiance * weight;
     }
   }
 }
@@ -205,10 +263,13 @@ void PathIntegrator::Batch::see_emission(int i) {
   if (path.pdf_bsdf > 0) {
     const Light& light = scene_.lights[vertex.light];
     const float pdf = light_pdf(light, path.scattered_at.position, vertex.light_hit);
-    const float density = self_.light_density(path.scattered_at, vertex.light, part_at(light, vertex.light_hit));
+    const float density =
+        path.light_samples * self_.light_density(path.scattered_at, vertex.light, part_at(light, vertex.light_hit));
     weight = mis_weight(path.pdf_bsdf, pdf * density);
+  } else if (self_.photons_) {
+    weight = self_.photons_->weight_of_found(path.chain, vertex.light, vertex.light_hit, vertex.wo);
   }
-  samples_[i].radiance += path.throughput * vertex.emission * weight;
+  radiance_of(i) += path.throughput * vertex.emission * weight;
 }
 
 void PathIntegrator::Batch::arrive(int bounce) {
@@ -227,6 +288,42 @@ void PathIntegrator::Batch::arrive(int bounce) {
     if (may_bounce(i) || may_pass_freely(vertex)) active_[kept++] = i;
   }
   active_count_ = kept;
+}
+
+/// Leaves the first vertex that looks for lights and, if it is Lambertian, the next one to other pixels. From there on
+/// what the path finds is theirs too.
+void PathIntegrator::Batch::share() {
+  for (int a = 0; a < active_count_; ++a) {
+    const int i = active_[a];
+    Path& path = paths_[i];
+    const Vertex& vertex = vertices_[i];
+    SharedPath& shared = shared_[i];
+    if (path.sharing == Path::Sharing::seeks_first && seeks_lights(i)) {
+      shared.has_first = true;
+      shared.first = vertex;
+      shared.throughput = path.throughput;
+      shared.depth = path.depth;
+    } else if (path.sharing == Path::Sharing::left_first) {
+      path.sharing = Path::Sharing::keeps;
+      if (!vertex.scattering.is_lambertian()) continue;
+      shared.has_second = true;
+      shared.second = vertex.surface;
+      path.sharing = Path::Sharing::shares;
+      path.prefix = path.throughput;
+      path.throughput = Spectrum(path.inverse_survival);
+    }
+  }
+}
+
+/// Light that comes to the paths' vertices by way of mirrors and smooth glass alone.
+void PathIntegrator::Batch::gather_photons() {
+  for (int a = 0; a < active_count_; ++a) {
+    const int i = active_[a];
+    if (!seeks_lights(i)) continue;
+    radiance_of(i) +=
+        paths_[i].throughput * self_.photons_->radiance(vertices_[i], self_.settings_.max_depth - paths_[i].depth - 1,
+                                                        first_ + static_cast<std::uint32_t>(i));
+  }
 }
 
 void PathIntegrator::Batch::aim_at(std::uint32_t light) {
@@ -276,9 +373,9 @@ void PathIntegrator::Batch::flush_shadow_rays() {
   for (int s = 0; s < shadow_count_; ++s) {
     const int i = shadow_path_[s];
     if ((blocked >> s & 1u) == 0)
-      samples_[i].radiance += shadow_radiance_[s];
+      radiance_of(i) += shadow_radiance_[s];
     else if (scene_.may_pass && shadow_may_pass_[s] > 0)
-      samples_[i].radiance += shadow_radiance_[s] * transmittance(shadow_rays_[s], shadow_may_pass_[s]);
+      radiance_of(i) += shadow_radiance_[s] * transmittance(shadow_rays_[s], shadow_may_pass_[s]);
   }
   rays_ += shadow_count_;
   shadow_count_ = 0;
@@ -289,7 +386,7 @@ void PathIntegrator::Batch::sample_lights(int bounce) {
   if (self_.every_light_)
     for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) sample_light_for_all(bounce, light);
   else
-    sample_one_light(bounce);
+    sample_chosen_lights(bounce);
   flush_shadow_rays();
 }
 
@@ -320,35 +417,51 @@ void PathIntegrator::Batch::sample_light_for_all(int bounce, std::uint32_t light
   }
 }
 
-void PathIntegrator::Batch::sample_one_light(int bounce) {
-  float choice[kBatch] = {}, more[kBatch] = {}, x[kBatch], y[kBatch];
-  if (!scene_.light_choice.is_certain())
-    sampler_.points(dimension::at(bounce, dimension::kLightChoice), first_, count_, choice, more);
-  sampler_.points(dimension::at(bounce, dimension::position(0)), first_, count_, x, y);
-  Receiver at[kBatch];
-  double u[kBatch];
-  std::optional<LightChooser::Choice> chosen[kBatch];
-  int seeking[kBatch];
-  std::size_t n = 0;
-  for (int a = 0; a < active_count_; ++a) {
-    const int i = active_[a];
-    if (!seeks_lights(i)) continue;
-    at[n] = receiver(vertices_[i]);
-    u[n] = fine_uniform({choice[i], more[i]});
-    seeking[n++] = i;
+/// All paths that take as many samples here do so together.
+void PathIntegrator::Batch::sample_chosen_lights(int bounce) {
+  for (const int samples : {kLightSamples[0], kLightSamples[1], 1}) {
+    std::uint32_t seeking = 0;
+    for (int a = 0; a < active_count_; ++a)
+      if (seeks_lights(active_[a]) && light_samples(paths_[active_[a]]) == samples) seeking |= 1u << active_[a];
+    if (seeking != 0) sample_chosen_lights(bounce, seeking, samples);
+    if (samples == 1) break;
   }
-  scene_.light_choice.sample(std::span<const Receiver>(at, n), std::span<const double>(u, n), std::span(chosen, n));
-  std::uint32_t waiting = 0;  // bit j: of those who seek, the j-th has a light still to be asked
-  for (std::size_t j = 0; j < n; ++j) waiting |= chosen[j] ? 1u << j : 0u;
-  while (waiting != 0) {
-    const std::uint32_t light = chosen[std::countr_zero(waiting)]->light;
-    for (std::size_t j = 0; j < n; ++j) {
-      if ((waiting >> j & 1u) == 0 || chosen[j]->light != light) continue;
-      const int i = seeking[j];
-      aims_.add(i, vertices_[i].surface.position, {x[i], y[i]}, chosen[j]->part, chosen[j]->probability);
-      waiting &= ~(1u << j);
+}
+
+/// Bit i of `seeking` is set for the paths meant.
+void PathIntegrator::Batch::sample_chosen_lights(int bounce, std::uint32_t seeking, int samples) {
+  constexpr int kMost = kBatch * kMostLightSamples;
+  float choice[kMost] = {}, more[kMost] = {}, x[kMost], y[kMost];
+  const std::uint64_t index = sample_number(0, samples);
+  if (!scene_.light_choice.is_certain())
+    sampler_.points(dimension::at(bounce, dimension::kLightChoice), index, count_ * samples, choice, more);
+  sampler_.points(dimension::at(bounce, dimension::position(0)), index, count_ * samples, x, y);
+  for (int k = 0; k < samples; ++k) {
+    Receiver at[kBatch];
+    double u[kBatch];
+    std::optional<LightChooser::Choice> chosen[kBatch];
+    int path[kBatch];
+    std::size_t n = 0;
+    for (std::uint32_t left = seeking; left != 0; left &= left - 1) {
+      const int i = std::countr_zero(left);
+      at[n] = receiver(vertices_[i]);
+      u[n] = fine_uniform({choice[i * samples + k], more[i * samples + k]});
+      path[n++] = i;
     }
-    aim_at(light);
+    scene_.light_choice.sample(std::span<const Receiver>(at, n), std::span<const double>(u, n), std::span(chosen, n));
+    std::uint32_t waiting = 0;  // bit j: the j-th of them has a light still to be asked
+    for (std::size_t j = 0; j < n; ++j) waiting |= chosen[j] ? 1u << j : 0u;
+    while (waiting != 0) {
+      const std::uint32_t light = chosen[std::countr_zero(waiting)]->light;
+      for (std::size_t j = 0; j < n; ++j) {
+        if ((waiting >> j & 1u) == 0 || chosen[j]->light != light) continue;
+        const int i = path[j], at_sample = i * samples + k;
+        aims_.add(i, vertices_[i].surface.position, {x[at_sample], y[at_sample]}, chosen[j]->part,
+                  static_cast<float>(samples) * chosen[j]->probability);
+        waiting &= ~(1u << j);
+      }
+      aim_at(light);
+    }
   }
 }
 
@@ -392,6 +505,15 @@ void PathIntegrator::Batch::sample_hemisphere(int bounce) {
   }
 }
 
+/// Path i is scattered by the vertex that its neighbours may share: off to the next one, unless by a delta lobe.
+void PathIntegrator::Batch::leave_first(int i, const BsdfSample& sample) {
+  paths_[i].sharing = Path::Sharing::keeps;
+  if (sample.is_delta()) return;
+  paths_[i].sharing = Path::Sharing::left_first;
+  shared_[i].f_cos = sample.weight * sample.pdf;
+  shared_[i].pdf = sample.pdf;
+}
+
 /// Every path goes on into a direction that its BSDF chooses, or straight through a surface that is not there, or ends.
 void PathIntegrator::Batch::scatter(int bounce) {
   float u[kBatch], v[kBatch], choice[kBatch], roulette[kBatch];
@@ -412,13 +534,24 @@ void PathIntegrator::Batch::scatter(int bounce) {
       path.pdf_bsdf = sample->pdf;
       path.scattered_at = receiver(vertex);
       path.from_camera = false;
+      if (path.sharing == Path::Sharing::seeks_first && !vertex.scattering.is_delta()) leave_first(i, *sample);
+      if (!sample->is_delta()) {
+        path.light_samples = static_cast<float>(light_samples(path));
+        ++path.scatterings;
+      }
+      if (sample->is_delta())
+        path.chain.bounce(vertex, sample->wi, sample->eta);
+      else
+        path.chain = {sample->pdf, std::abs(dot(sample->wi, vertex.surface.geometric_normal)), vertex.surface.position};
     }
     path.throughput *= sample->weight;
     path.eta_scale *= square(sample->eta);
+    path.inverse_survival = 1;
     if (path.depth >= kRouletteStart || bounce >= kManySegments) {
-      const float survival = std::min(path.throughput.max() * path.eta_scale, kMaxSurvival);
+      const float survival = std::min((path.throughput * path.prefix).max() * path.eta_scale, kMaxSurvival);
       if (roulette[i] >= survival) continue;
-      path.throughput *= 1 / survival;
+      path.inverse_survival = 1 / survival;
+      path.throughput *= path.inverse_survival;
     }
     if (path.throughput.is_black()) continue;
     path.ray = {offset_origin(vertex.surface, sample->wi), sample->wi};
@@ -432,21 +565,72 @@ PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& cam
       settings_(settings),
       camera_rays_(scene, camera, settings),
       every_light_(settings.light_samples > 0),
-      hemisphere_(settings.integrator == IntegratorKind::hemisphere) {
+      hemisphere_(settings.integrator == IntegratorKind::hemisphere),
+      splits_(settings.integrator == IntegratorKind::automatic && !every_light_),
+      reuse_(shares_paths(settings) && !scene.may_pass && !scene.measured) {
   if (settings.integrator == IntegratorKind::direct) settings_.max_depth = std::min(settings.max_depth, 1);
+  generation_size_ = usual_generation_size(settings_);
+  // Photons do not count what they pass straight through.
+  if (!uses(settings, settings.photons) || (scene.may_pass && settings.null_counts_as_bounce)) return;
+  photons_.emplace(scene, camera, settings_, generation_size_);
+  if (!photons_->possible()) photons_.reset();
+}
+
+std::string_view PathIntegrator::promise() const {
+  return photons_ ? "consistent: photons blur caustics, the less the more samples" : "unbiased";
+}
+
+std::uint32_t PathIntegrator::generation_size() const {
+  if (photons_ || reuse_) return generation_size_;
+  return Integrator::generation_size();
+}
+
+std::uint64_t PathIntegrator::prepare(std::uint32_t generation) {
+  return photons_ ? photons_->trace(generation) : 0;
 }
 
 float PathIntegrator::light_density(const Receiver& at, std::uint32_t light, std::uint32_t part) const {
   return etendue::light_density(scene_, settings_.light_samples, at, light, part);
 }
 
-std::uint64_t PathIntegrator::estimate(int x, int y, std::uint32_t first, std::span<PixelSample> samples) const {
-  return Batch(*this, x, y, first, samples).run();
+int PathIntegrator::block_side() const {
+  return reuse_ ? kReuseSide : 1;
+}
+
+std::uint64_t PathIntegrator::estimate(const PixelBlock& block, std::uint32_t first, int count,
+                                       std::span<PixelSample> samples) const {
+  std::vector<SharedPath> shared(reuse_ ? samples.size() : 0);
+  std::uint64_t rays = 0;
+  for (int pixel = 0; pixel < block.size(); ++pixel) {
+    const auto begin = static_cast<std::size_t>(pixel) * count;
+    rays += Batch(*this, block.x + pixel % block.width, block.y + pixel / block.width, first,
+                  samples.subspan(begin, count), reuse_ ? std::span(shared).subspan(begin, count) : std::span(shared))
+                .run();
+  }
+  return reuse_ ? rays + share(shared, block.size(), count, samples) : rays;
+}
+
+/// Samples of the same number share their paths.
+std::uint64_t PathIntegrator::share(std::span<const SharedPath> paths, int pixels, int count,
+                                    std::span<PixelSample> samples) const {
+  const SharedPath* neighbours[Geometry::kBatch];
+  PixelSample* targets[Geometry::kBatch];
+  const auto n = static_cast<std::size_t>(pixels);
+  std::uint64_t rays = 0;
+  for (int i = 0; i < count; ++i) {
+    for (int pixel = 0; pixel < pixels; ++pixel) {
+      neighbours[pixel] = &paths[pixel * count + i];
+      targets[pixel] = &samples[pixel * count + i];
+    }
+    rays += share_paths(scene_.geometry, std::span(neighbours, n), std::span(targets, n));
+  }
+  return rays;
 }
 
 std::unique_ptr<Integrator> make_integrator(const RenderScene::Data& scene, const Camera& camera,
                                             const RenderSettings& settings) {
   switch (settings.integrator) {
+    case IntegratorKind::automatic:
     case IntegratorKind::path:
     case IntegratorKind::direct:
     case IntegratorKind::hemisphere:

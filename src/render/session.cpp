@@ -6,11 +6,13 @@
 #include <chrono>
 #include <limits>
 #include <mutex>
+#include <optional>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "image/false_color.h"
 #include "render/integrator.h"
+#include "render/pixel_blocks.h"
 
 namespace etendue {
 namespace {
@@ -52,11 +54,22 @@ bool is_valid(const Spectrum& radiance) {
   return is_finite(radiance) && radiance.r >= 0 && radiance.g >= 0 && radiance.b >= 0;
 }
 
+/// Scaled down to the luminance `most`, if it has more.
+Spectrum clamped(const Spectrum& radiance, float most) {
+  const float luminance = radiance.luminance();
+  return luminance > most ? radiance * (most / luminance) : radiance;
+}
+
 }  // namespace
 
 /// What a tile adds to the picture's counts, in one go: counters that threads share are dear.
 struct TileCounts {
   std::uint64_t rays = 0, samples = 0, samples_saved = 0, finished_pixels = 0;
+};
+
+/// Columns and rows of blocks, ends not included.
+struct Tile {
+  int column0, column1, row0, row1;
 };
 
 struct RenderSession::Impl {
@@ -66,6 +79,7 @@ struct RenderSession::Impl {
   std::unique_ptr<Integrator> integrator;
   std::unique_ptr<Integrator> second_integrator;  ///< of the second half of the samples, if it is to be independent
   Film film;
+  PixelBlocks blocks;
 
   std::atomic<std::uint64_t> rays{0}, samples_done{0}, samples_saved{0}, invalid_samples{0};
   std::atomic<std::size_t> finished_pixels{0}, unsampled_pixels{0};
@@ -73,22 +87,29 @@ struct RenderSession::Impl {
   std::string first_invalid;
   std::atomic<double> seconds{0}, noise{std::numeric_limits<double>::infinity()};  // as of the last pass
   int pass_samples = 1;
+  std::optional<std::uint32_t> prepared;  ///< generation of the integrator
 
   Impl(RenderScene s, const Camera& camera, const RenderSettings& chosen)
       : scene(std::move(s)),
         settings(chosen),
         window(chosen.crop.value_or(CropWindow{0, 0, chosen.width, chosen.height})),
         integrator(make_integrator(scene.data(), camera, settings)),
-        film(window.width, window.height, chosen.for_denoising) {
+        film(window.width, window.height, chosen.for_denoising),
+        blocks(integrator->block_side(), settings, window) {
     if (!settings.for_denoising) return;
     RenderSettings other = settings;
     other.seed ^= kSecondHalf;
     second_integrator = make_integrator(scene.data(), camera, other);
   }
 
-  void add_samples(int x, int y, std::uint32_t first, std::uint32_t count, TileCounts& counts);
-  void render_tile(int x0, int y0, std::uint32_t samples, const std::stop_token& stop);
-  void render_pixel(int x, int y, std::uint32_t samples, TileCounts& counts);
+  std::uint32_t fewest_samples() const;
+  void prepare(std::uint32_t generation);
+  void render_to(std::uint32_t target, const std::stop_token& stop);
+  void render_tile(const Tile& tile, std::uint32_t target, const std::stop_token& stop);
+  void render_block(const PixelBlock& block, std::uint32_t target, TileCounts& counts);
+  void add_samples(const PixelBlock& block, std::uint32_t first, std::uint32_t count, TileCounts& counts);
+  void finish(const PixelBlock& block, TileCounts& counts);
+  PixelBlock visible(const PixelBlock& block) const;
   void note_invalid(int x, int y, std::uint32_t sample);
 };
 
@@ -98,53 +119,85 @@ void RenderSession::Impl::note_invalid(int x, int y, std::uint32_t sample) {
   if (first_invalid.empty()) first_invalid = fmt::format("pixel ({}, {}), sample {}", x, y, sample);
 }
 
-/// Adds samples first, first + 1, … to one pixel of the window. For denoising, every other one belongs to the second
-/// half, which has sequences of its own.
-void RenderSession::Impl::add_samples(int x, int y, std::uint32_t first, std::uint32_t count, TileCounts& counts) {
-  PixelSample batch[Geometry::kBatch];
-  const auto of_first_half = [&](std::uint32_t samples) { return second_integrator ? (samples + 1) / 2 : samples; };
-  const std::uint32_t begin = of_first_half(first), here = of_first_half(first + count) - begin;
-  const std::span samples(batch, count);
-  if (here > 0) counts.rays += integrator->estimate(window.x + x, window.y + y, begin, samples.first(here));
-  if (here < count)
-    counts.rays += second_integrator->estimate(window.x + x, window.y + y, first - begin, samples.subspan(here));
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (is_valid(batch[i].radiance)) continue;
-    note_invalid(window.x + x, window.y + y, first + i);
-    batch[i].radiance = Spectrum(0);
-  }
-  film.add(x, y, samples, here);
+/// Of the pixels that get more.
+std::uint32_t RenderSession::Impl::fewest_samples() const {
+  auto fewest = static_cast<std::uint32_t>(settings.samples_per_pixel);
+  for (const PixelSums& pixel : film.pixels())
+    if (!pixel.finished) fewest = std::min(fewest, pixel.samples);
+  return fewest;
 }
 
-/// Adds up to `samples` samples to one pixel of the window.
-void RenderSession::Impl::render_pixel(int x, int y, std::uint32_t samples, TileCounts& counts) {
-  PixelSums& pixel = film.at(x, y);
-  const std::uint32_t before = pixel.samples;
-  const std::uint32_t target =
-      std::min(whole_batches(before + samples), static_cast<std::uint32_t>(settings.samples_per_pixel));
+/// Adds samples first, first + 1, … to the block's pixels within the window. For denoising, every other one belongs to
+/// the second half, which has sequences of its own.
+void RenderSession::Impl::add_samples(const PixelBlock& block, std::uint32_t first, std::uint32_t count,
+                                      TileCounts& counts) {
+  const auto of_first_half = [&](std::uint32_t samples) { return second_integrator ? (samples + 1) / 2 : samples; };
+  const std::uint32_t begin = of_first_half(first), here = of_first_half(first + count) - begin, there = count - here;
+  const auto pixels = static_cast<std::size_t>(block.size());
+  PixelSample batch[Geometry::kBatch * PixelBlock::kMost];
+  const std::span first_half(batch, pixels * here), second_half(batch + pixels * here, pixels * there);
+  if (here > 0) counts.rays += integrator->estimate(block, begin, static_cast<int>(here), first_half);
+  if (there > 0) counts.rays += second_integrator->estimate(block, first - begin, static_cast<int>(there), second_half);
+  const PixelBlock seen = visible(block);
+  for (int y = seen.y; y < seen.y + seen.height; ++y)
+    for (int x = seen.x; x < seen.x + seen.width; ++x) {
+      const auto pixel = static_cast<std::size_t>((y - block.y) * block.width + x - block.x);
+      PixelSample own[Geometry::kBatch];
+      std::copy_n(first_half.data() + pixel * here, here, own);
+      std::copy_n(second_half.data() + pixel * there, there, own + here);
+      for (std::uint32_t i = 0; i < count; ++i) {
+        if (is_valid(own[i].radiance)) continue;
+        note_invalid(x, y, first + i);
+        own[i].radiance = Spectrum(0);
+      }
+      if (settings.clamp)
+        for (PixelSample& sample : std::span(own, count)) sample.radiance = clamped(sample.radiance, *settings.clamp);
+      film.add(x - window.x, y - window.y, std::span(own, count), here);
+    }
+  counts.samples += static_cast<std::uint64_t>(seen.size()) * count;
+}
+
+/// Brings the pixels of a block to `target` samples. They all have had the same number so far; those outside the window
+/// are not kept.
+void RenderSession::Impl::render_block(const PixelBlock& block, std::uint32_t target, TileCounts& counts) {
+  const PixelBlock seen = visible(block);
+  const PixelSums& pixel = film.at(seen.x - window.x, seen.y - window.y);
   while (pixel.samples < target && !pixel.finished) {
     const std::uint32_t check = next_check(pixel.samples, settings);
-    const std::uint32_t end = std::min(target, check);
-    const auto count = std::min(end, whole_batches(pixel.samples + 1)) - pixel.samples;
-    add_samples(x, y, pixel.samples, count, counts);
-    if (pixel.samples == check && settings.adaptive && has_settled(pixel, *settings.adaptive)) pixel.finished = true;
-    if (pixel.samples >= static_cast<std::uint32_t>(settings.samples_per_pixel)) pixel.finished = true;
-  }
-  counts.samples += pixel.samples - before;
-  if (pixel.finished) {
-    ++counts.finished_pixels;
-    counts.samples_saved += static_cast<std::uint32_t>(settings.samples_per_pixel) - pixel.samples;
+    const std::uint32_t end = std::min({target, check, whole_batches(pixel.samples + 1)});
+    add_samples(block, pixel.samples, end - pixel.samples, counts);
+    if (end == check && settings.adaptive && has_settled(pixel, *settings.adaptive)) finish(seen, counts);
+    if (end >= static_cast<std::uint32_t>(settings.samples_per_pixel)) finish(seen, counts);
   }
 }
 
-void RenderSession::Impl::render_tile(int x0, int y0, std::uint32_t samples, const std::stop_token& stop) {
+void RenderSession::Impl::finish(const PixelBlock& block, TileCounts& counts) {
+  for (int y = block.y; y < block.y + block.height; ++y)
+    for (int x = block.x; x < block.x + block.width; ++x) {
+      PixelSums& pixel = film.at(x - window.x, y - window.y);
+      if (pixel.finished) continue;
+      pixel.finished = true;
+      ++counts.finished_pixels;
+      counts.samples_saved += static_cast<std::uint32_t>(settings.samples_per_pixel) - pixel.samples;
+    }
+}
+
+/// The part of a block that lies in the window.
+PixelBlock RenderSession::Impl::visible(const PixelBlock& b) const {
+  const int x0 = std::max(b.x, window.x), y0 = std::max(b.y, window.y);
+  return {x0, y0, std::min(b.x + b.width, window.x + window.width) - x0,
+          std::min(b.y + b.height, window.y + window.height) - y0};
+}
+
+void RenderSession::Impl::render_tile(const Tile& tile, std::uint32_t target, const std::stop_token& stop) {
   TileCounts counts;
-  const int x1 = std::min(x0 + settings.tile_size, film.width()), y1 = std::min(y0 + settings.tile_size, film.height());
-  for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x) {
-      if (film.at(x, y).finished) continue;
+  for (int row = tile.row0; row < tile.row1; ++row)
+    for (int column = tile.column0; column < tile.column1; ++column) {
+      const PixelBlock block = blocks.block(column, row);
+      const PixelBlock seen = visible(block);
+      if (film.at(seen.x - window.x, seen.y - window.y).finished) continue;
       if (stop.stop_requested()) break;
-      render_pixel(x, y, samples, counts);
+      render_block(block, target, counts);
     }
   rays += counts.rays;
   samples_done += counts.samples;
@@ -172,23 +225,50 @@ RenderSession::~RenderSession() = default;
 RenderSession::RenderSession(RenderSession&&) noexcept = default;
 RenderSession& RenderSession::operator=(RenderSession&&) noexcept = default;
 
+void RenderSession::Impl::prepare(std::uint32_t generation) {
+  rays += integrator->prepare(generation);
+  if (second_integrator) rays += second_integrator->prepare(generation);
+  blocks.move(generation);
+  prepared = generation;
+}
+
+/// Brings all pixels that get more to `target` samples; they are of one generation.
+void RenderSession::Impl::render_to(std::uint32_t target, const std::stop_token& stop) {
+  const int side = std::max(1, settings.tile_size / blocks.side);  // of a tile, in blocks
+  const int columns = (blocks.columns() + side - 1) / side, rows = (blocks.rows() + side - 1) / side;
+  parallel_for(static_cast<std::size_t>(columns) * rows, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const int column = static_cast<int>(i) % columns * side, row = static_cast<int>(i) / columns * side;
+      render_tile({column, std::min(column + side, blocks.columns()), row, std::min(row + side, blocks.rows())}, target,
+                  stop);
+    }
+  });
+}
+
 void RenderSession::render_pass(std::stop_token stop, int samples) {
   Impl& s = *impl_;
   const auto start = Clock::now();
-  const int n = samples > 0 ? samples : s.pass_samples;
-  const int tile = s.settings.tile_size;
-  const int columns = (s.film.width() + tile - 1) / tile, rows = (s.film.height() + tile - 1) / tile;
-  parallel_for(static_cast<std::size_t>(columns) * rows, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const int t = static_cast<int>(i);
-      s.render_tile(t % columns * tile, t / columns * tile, static_cast<std::uint32_t>(n), stop);
-    }
-  });
+  const auto n = static_cast<std::uint32_t>(samples > 0 ? samples : s.pass_samples);
+  std::uint32_t done = s.fewest_samples();  // an earlier pass may have been stopped within a generation
+  const std::uint32_t target =
+      std::min(whole_batches(done + n), static_cast<std::uint32_t>(s.settings.samples_per_pixel));
+  const std::uint32_t size = s.integrator->generation_size();
+  while (done < target && !stop.stop_requested()) {
+    const std::uint32_t generation = done / size;
+    if (generation != s.prepared) s.prepare(generation);
+    done = target / size == generation ? target : std::min(target, (generation + 1) * size);
+    s.render_to(done, stop);
+  }
   const double took = std::chrono::duration<double>(Clock::now() - start).count();
   s.seconds = s.seconds + took;
   s.noise = s.film.noise();
   s.unsampled_pixels = s.film.unsampled_pixels();
   if (samples == 0 && took < kPassSeconds) s.pass_samples = std::min(s.pass_samples * 2, 1 << 12);
+}
+
+std::string RenderSession::estimator() const {
+  if (impl_->settings.clamp) return fmt::format("biased: no sample is brighter than {:g}", *impl_->settings.clamp);
+  return std::string(impl_->integrator->promise());
 }
 
 bool RenderSession::finished() const {

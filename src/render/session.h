@@ -39,6 +39,9 @@ class RenderSession {
   /// half a second). Returns early, with every pixel in a valid state, when a stop is asked for.
   void render_pass(std::stop_token stop, int samples = 0);
 
+  /// What the picture's expectation is: "unbiased", or what is not and why, in a few words.
+  std::string estimator() const;
+
   bool finished() const;  ///< every pixel has all samples it is to get
   /// May be called from another thread while a pass runs (then rays and samples are approximate).
   RenderProgress progress() const;

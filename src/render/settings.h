@@ -10,13 +10,17 @@
 namespace etendue {
 
 enum class IntegratorKind {
-  path,        ///< all light, to max_depth bounces
+  automatic,   ///< all light, to max_depth bounces, by the techniques that suit the scene
+  path,        ///< the same by plain path tracing
   direct,      ///< emitted light and light that bounced once, by sampling the lights
   hemisphere,  ///< all light, but direct light by uniform directions of the hemisphere: point-like lights are not seen
   normals,     ///< shading normals, (n + 1) / 2
   albedo,      ///< reflectance of what is seen
   ao,          ///< ambient occlusion: share of the cosine-weighted hemisphere open to a quarter of the scene's diagonal
 };
+
+/// Whether to use a technique that pays in some scenes only; `automatic` is off for IntegratorKind::path.
+enum class Use { automatic, off, on };
 
 /// Rectangle of pixels, (x, y) its upper left corner.
 struct CropWindow {
@@ -40,13 +44,17 @@ struct RenderSettings {
   int max_depth = kUnlimitedDepth;  ///< bounces: 0 emitted light only, 1 direct light, …
   bool null_counts_as_bounce = false;  ///< whether light that passes a mask, null boundary or thin pane has bounced
   bool hide_emitters = false;          ///< camera rays see neither lights nor their shapes
-  IntegratorKind integrator = IntegratorKind::path;
+  IntegratorKind integrator = IntegratorKind::automatic;
+  Use photons = Use::automatic;   ///< for light that comes by way of mirrors and smooth glass
+  Use reuse = Use::automatic;     ///< neighbouring pixels share their paths
+  Use airlight = Use::automatic;  ///< point-like lights are sampled along whole segments in homogeneous media
   SamplerKind sampler = SamplerKind::sobol;
   scene::ReconstructionFilter filter;  ///< how samples near a pixel count towards it
   std::uint64_t seed = 0;
   std::optional<AdaptiveSampling> adaptive;
+  std::optional<float> clamp;  ///< luminance that no sample exceeds; biased
   bool for_denoising = false;  ///< make the samples two independent halves, and keep both
-  int tile_size = 16;  ///< pixels along the side of a unit of work; changes no pixel
+  int tile_size = 16;          ///< pixels along the side of a unit of work; changes no pixel
 };
 
 }  // namespace etendue

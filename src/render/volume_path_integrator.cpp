@@ -1,8 +1,14 @@
 #include "render/volume_path_integrator.h"
 
+#include "math/frame.h"
+#include "media/airlight.h"
 #include "render/dimensions.h"
 #include "render/direct_light.h"
 #include "render/vertex.h"
+#include "sampling/warp.h"
+
+#include <algorithm>
+#include <array>
 
 namespace etendue {
 namespace {
@@ -12,6 +18,10 @@ namespace {
 constexpr int kRouletteStart = 6;
 constexpr int kManySegments = 1000;
 constexpr float kMaxSurvival = 0.99f;
+
+/// Paths that were scattered more often look for lamps only where they are scattered: what is left to them is worth
+/// fewer rays.
+constexpr int kAirlightBounces = 3;
 
 /// The medium into which `direction` leads from a surface, for a path that has come there through `medium`.
 std::uint32_t medium_beyond(const RenderScene::Data::ShapeInfo& shape, const Vec3& geometric_normal,
@@ -39,16 +49,19 @@ struct LitView {
 /// One path.
 class VolumePathIntegrator::Walk {
  public:
-  Walk(const RenderScene::Data& scene, const RenderSettings& settings, const CameraRays& camera_rays,
-       const PixelSampler& sampler, std::uint64_t index, const Ray& ray, PixelSample& sample)
-      : scene_(scene),
-        settings_(settings),
-        camera_rays_(camera_rays),
+  Walk(const VolumePathIntegrator& integrator, const PixelSampler& sampler, std::uint64_t index, const Ray& ray,
+       PixelSample& sample)
+      : scene_(integrator.scene_),
+        settings_(integrator.settings_),
+        camera_rays_(integrator.camera_rays_),
+        lamps_(integrator.lamps_),
+        bounds_(integrator.bounds_),
+        tracks_(integrator.tracks_),
         sampler_(sampler),
         index_(index),
         sample_(sample),
         ray_(ray),
-        medium_(scene.camera_medium) {}
+        medium_(integrator.scene_.camera_medium) {}
 
   std::uint64_t run() {
     while (advance()) ++segment_;
@@ -58,9 +71,23 @@ class VolumePathIntegrator::Walk {
  private:
   bool advance();
   RayHit find_hit();
+  /// Light of lamps that is scattered on the way through the medium.
+  void gather_airlight(const Ray& way);
+  void gather_airlight(const Ray& way, const Lamp& lamp, float probability, float u);
+  /// The lamp's light that is scattered somewhere else and comes from there to the place, where a path is scattered.
+  template <typename View>
+  void add_beam(const Point3& at, const View& view);
+  /// p_beam of y at x.
+  float beam_pdf(const Point3& x, const Point3& y, const Lamp& lamp) const;
+  /// The same with d² = |xy|² and s, where the beam's ray is seen from x.
+  static float beam_pdf(const Lamp& lamp, const SeenRay& seen, double offset, float d2, float s);
+  /// p_way of y at x, but for the density of the direction.
+  static float way_pdf(const Point3& x, const Point3& y, const Lamp& lamp);
+  Ray beam(const Lamp& lamp, const Vec3& direction) const { return within_bounds({lamp.position, direction}, bounds_); }
+  bool starts_where_scattered() const { return pdf_scatter_ > 0 && ray_.origin == scattered_at_.position; }
   bool scatter_in_medium(float t);
   bool meet_surface(const RayHit& hit);
-  bool survives_roulette(float u);
+  bool survives_roulette();
 
   void see_infinity();
   void see_emission(const Vertex& vertex);
@@ -69,11 +96,12 @@ class VolumePathIntegrator::Walk {
   }
 
   /// Adds direct light at a place; view(wi) gives what is scattered of light from there, or nothing, as
-  /// std::optional<LitView>.
+  /// std::optional<LitView>. `lamps_done`: the segment that ends here has gathered the lamps' light.
   template <typename View>
-  void add_direct_light(const Receiver& at, const View& view);
+  void add_direct_light(const Receiver& at, bool lamps_done, const View& view);
   template <typename View>
-  void add_light(const LightChooser::Choice& chosen, Vec2 u, const Point3& from, const View& view);
+  void add_light(const Spectrum& throughput, const LightChooser::Choice& chosen, Vec2 u, const Point3& from,
+                 const View& view);
   Transmittance passage(Ray ray, int most_surfaces, std::uint32_t medium, const Spectrum& throughput);
   /// How many surfaces a shadow ray may pass straight through. Where passing is a bounce, light of no size is not found
   /// by it, as in Mitsuba's path tracer.
@@ -95,6 +123,9 @@ class VolumePathIntegrator::Walk {
     sampler_.points(dimension::at(segment_, slot), index, 1, &u.x, &u.y);
     return u;
   }
+  bool gathers_airlight() const {
+    return !lamps_.empty() && depth_ < kAirlightBounces && scene_.media[medium_].is_homogeneous();
+  }
   bool may_bounce() const { return depth_ < settings_.max_depth; }
   bool hides_emitters() const { return from_camera_ && settings_.hide_emitters; }
   /// Where passing a surface is a bounce, what lies behind one is not seen directly.
@@ -103,6 +134,9 @@ class VolumePathIntegrator::Walk {
   const RenderScene::Data& scene_;
   const RenderSettings& settings_;
   const CameraRays& camera_rays_;
+  const std::vector<Lamp>& lamps_;
+  const Bounds3& bounds_;
+  bool tracks_;
   const PixelSampler& sampler_;
   std::uint64_t index_;
   PixelSample& sample_;
@@ -110,7 +144,7 @@ class VolumePathIntegrator::Walk {
 
   Ray ray_;
   std::uint32_t medium_;  ///< through which the ray runs
-  RandomStream random_;   ///< of this segment
+  RandomStream random_;   ///< of this segment, where some medium is heterogeneous
   Spectrum throughput_{1};
   float pdf_scatter_ = 0;  ///< of the direction chosen last; 0: only this ray finds what it meets (camera, delta lobe)
   float survival_ = 1;     ///< as Transmittance has it, since then
@@ -136,10 +170,11 @@ RayHit VolumePathIntegrator::Walk::find_hit() {
 /// Follows the ray to where the path goes on. False: it does not.
 bool VolumePathIntegrator::Walk::advance() {
   const RayHit hit = find_hit();
-  random_ = RandomStream(random_point(dimension::kTracking));
+  if (tracks_) random_ = RandomStream(random_point(dimension::kTracking));
   if (medium_ != kNone) {
     Ray way = ray_;
     if (hit.found()) way.t_max = hit.t;
+    if (gathers_airlight() && may_bounce()) gather_airlight(way);
     const Flight flight =
         sample_flight(scene_.media[medium_], way, throughput_, random_point(dimension::kFreeFlight), random_);
     throughput_ *= flight.weight;
@@ -151,15 +186,125 @@ bool VolumePathIntegrator::Walk::advance() {
   return false;
 }
 
+void VolumePathIntegrator::Walk::gather_airlight(const Ray& way) {
+  const Vec2 u = random_point(dimension::kAirlight);
+  if (lamps_.size() == 1 || settings_.light_samples > 0) {
+    for (const Lamp& lamp : lamps_) gather_airlight(way, lamp, 1, u.y);
+    return;
+  }
+  const Spectrum extinction = scene_.media[medium_].extinction(way.origin);
+  const float sigma = std::min({extinction.r, extinction.g, extinction.b});
+  std::array<float, kMostLamps> promised;
+  float total = 0;
+  for (std::size_t i = 0; i < lamps_.size(); ++i) {
+    const Lamp& lamp = lamps_[i];
+    const std::optional<Ray> lit = within_cone(way, lamp.position, lamp.axis, lamp.cos_angle);
+    promised[i] = lit ? lamp.intensity * std::exp(-sigma * (lit->t_min - way.t_min)) *
+                            static_cast<float>(SeenRay(*lit, lamp.position).inverse_squares())
+                      : 0.0f;
+    total += promised[i];
+  }
+  float rest = u.x * total;
+  for (std::size_t i = 0; i < lamps_.size(); ++i) {
+    if (rest < promised[i]) return gather_airlight(way, lamps_[i], promised[i] / total, u.y);
+    rest -= promised[i];
+  }
+}
+
+void VolumePathIntegrator::Walk::gather_airlight(const Ray& way, const Lamp& lamp, float probability, float u) {
+  const std::optional<Ray> lit = within_cone(way, lamp.position, lamp.axis, lamp.cos_angle);
+  if (!lit) return;
+  const Medium& medium = scene_.media[medium_];
+  const auto dimmed = [&](float from, float to) {
+    return transmittance(medium, {way.origin, way.direction, from, to}, throughput_, random_).share;
+  };
+  const Spectrum arriving = throughput_ * dimmed(way.t_min, lit->t_min);
+  const auto distance = AirlightDistances(medium, *lit, SeenRay(*lit, lamp.position), arriving).sample(u);
+  if (!distance) return;
+  const float t = off_the_end(way, distance->t);
+  const Point3 position = way.at(t);
+  const Spectrum scattered = arriving * dimmed(lit->t_min, t) * medium.extinction(position) * medium.albedo(position);
+  float weight = 1;
+  if (starts_where_scattered()) {
+    const float pdf_way = pdf_scatter_ * way_pdf(way.origin, position, lamp);
+    weight = pdf_way > 0 ? mis_weight(pdf_way, beam_pdf(way.origin, position, lamp)) : 0.0f;
+  }
+  add_light(scattered * (weight / distance->pdf), {lamp.light, 0, probability}, {}, position,
+            [&](const Vec3& wi) -> std::optional<LitView> {
+              const float value = eval_phase(medium.phase(), -way.direction, wi);
+              return LitView{{Spectrum(value), value}, position, medium_};
+            });
+}
+
+template <typename View>
+void VolumePathIntegrator::Walk::add_beam(const Point3& at, const View& view) {
+  if (lamps_.empty() || depth_ + 1 >= std::min(settings_.max_depth, kAirlightBounces)) return;
+  const Vec2 choice = random_point(dimension::kBeamPoint);
+  float rest = choice.x;
+  const Lamp* chosen = lamps_.data();
+  for (; rest >= chosen->chance && chosen != &lamps_.back(); ++chosen) rest -= chosen->chance;
+  const Lamp& lamp = *chosen;
+  const Vec3 local = sample_cone_uniform(random_point(dimension::kBeam), lamp.one_minus_cos);
+  const Ray ray = beam(lamp, Frame::from_normal(lamp.axis).to_world(local));
+  if (!(ray.t_min < ray.t_max)) return;
+  const SeenRay seen(ray, at);
+  const double angle = seen.begin + static_cast<double>(choice.y) * (seen.end - seen.begin);
+  const double offset = std::clamp(seen.distance * std::tan(angle), seen.begin_offset, seen.end_offset);
+  const float s = static_cast<float>(seen.nearest + offset);
+  const Point3 position = ray.at(s);
+  const float d2 = length_squared(position - at);
+  const float pdf = beam_pdf(lamp, seen, offset, d2, s);
+  if (!(d2 > 0) || !(s > 0) || !(pdf > 0)) return;
+  const Vec3 to_beam = (position - at) * (1 / std::sqrt(d2));
+  const std::optional<LitView> lit = view(to_beam);
+  if (!lit || lit->eval.f_cos.is_black() || lit->medium == kNone || !scene_.media[lit->medium].is_homogeneous()) return;
+  const Medium& medium = scene_.media[lit->medium];
+  const float weight = mis_weight(pdf, lit->eval.pdf * way_pdf(at, position, lamp));
+  const Spectrum scattered = throughput_ * lit->eval.f_cos * medium.extinction(position) * medium.albedo(position);
+  add_light(scattered * (weight / pdf), {lamp.light, 0, 1}, {}, position,
+            [&](const Vec3& wi) -> std::optional<LitView> {
+              const Vec3 way = position - lit->start;
+              const float distance = length(way);
+              const Transmittance through =
+                  passage({lit->start, way * (1 / distance), 0, distance}, 0, lit->medium, scattered);
+              const float value = eval_phase(medium.phase(), -to_beam, wi);
+              return LitView{{through.share * value, value}, position, lit->medium};
+            });
+}
+
+float VolumePathIntegrator::Walk::beam_pdf(const Lamp& lamp, const SeenRay& seen, double offset, float d2, float s) {
+  return lamp.chance * cone_uniform_pdf(lamp.one_minus_cos) * static_cast<float>(seen.uniform_angle_pdf(offset)) * d2 /
+         square(s);
+}
+
+float VolumePathIntegrator::Walk::beam_pdf(const Point3& x, const Point3& y, const Lamp& lamp) const {
+  const Vec3 from_lamp = y - lamp.position;
+  const float s = length(from_lamp);
+  if (!(s > 0)) return 0;
+  const SeenRay seen(beam(lamp, from_lamp * (1 / s)), x);
+  return beam_pdf(lamp, seen, static_cast<double>(s) - seen.nearest, length_squared(y - x), s);
+}
+
+float VolumePathIntegrator::Walk::way_pdf(const Point3& x, const Point3& y, const Lamp& lamp) {
+  const float d = length(y - x);
+  if (!(d > 0)) return 0;
+  const std::optional<Ray> way = within_cone({x, (y - x) * (1 / d)}, lamp.position, lamp.axis, lamp.cos_angle);
+  if (!way) return 0;
+  const SeenRay seen(*way, lamp.position);
+  return static_cast<float>(seen.uniform_angle_pdf(static_cast<double>(d) - seen.nearest));
+}
+
 bool VolumePathIntegrator::Walk::scatter_in_medium(float t) {
   if (!may_bounce()) return false;
   const Point3 position = ray_.at(t);
   const Vec3 wo = -ray_.direction;
   const Phase& phase = scene_.media[medium_].phase();
-  add_direct_light({position}, [&](const Vec3& wi) -> std::optional<LitView> {
+  const auto view = [&](const Vec3& wi) -> std::optional<LitView> {
     const float value = eval_phase(phase, wo, wi);
     return LitView{{Spectrum(value), value}, position, medium_};
-  });
+  };
+  add_direct_light({position}, gathers_airlight(), view);
+  add_beam(position, view);
   const PhaseSample next = sample_phase(phase, wo, random_point(dimension::kDirection));
   pdf_scatter_ = next.pdf;
   survival_ = 1;
@@ -167,7 +312,7 @@ bool VolumePathIntegrator::Walk::scatter_in_medium(float t) {
   from_camera_ = false;
   ++depth_;
   ray_ = {position, next.wi};
-  return survives_roulette(random_point(dimension::kLobeAndRoulette).y);
+  return survives_roulette();
 }
 
 bool VolumePathIntegrator::Walk::meet_surface(const RayHit& hit) {
@@ -185,12 +330,14 @@ bool VolumePathIntegrator::Walk::meet_surface(const RayHit& hit) {
   if (!may_bounce() && !may_pass_freely) return false;
   if (may_bounce() && !scattering.is_delta()) {
     const Point3 from = offset_origin(vertex.surface, vertex.wo);
-    add_direct_light({from, receiver(vertex).normal}, [&](const Vec3& wi) -> std::optional<LitView> {
+    const auto view = [&](const Vec3& wi) -> std::optional<LitView> {
       const bool same_side = dot(wi, ng) * dot(vertex.wo, ng) > 0;
       if (!same_side && !scattering.transmits()) return std::nullopt;
       return LitView{scattering.eval(wi), same_side ? from : offset_origin(vertex.surface, wi),
                      medium_beyond(shape, ng, wi, medium_)};
-    });
+    };
+    add_direct_light({from, receiver(vertex).normal}, false, view);
+    add_beam(from, view);
   }
   const Vec2 choice = random_point(dimension::kLobeAndRoulette);
   const std::optional<BsdfSample> sample = scattering.sample(random_point(dimension::kDirection), choice.x);
@@ -211,15 +358,15 @@ bool VolumePathIntegrator::Walk::meet_surface(const RayHit& hit) {
   eta_scale_ *= square(sample->eta);
   medium_ = medium_beyond(shape, ng, sample->wi, medium_);
   ray_ = {start, sample->wi};
-  return survives_roulette(choice.y);
+  return survives_roulette();
 }
 
-bool VolumePathIntegrator::Walk::survives_roulette(float u) {
+bool VolumePathIntegrator::Walk::survives_roulette() {
   if (throughput_.is_black()) return false;
   if (depth_ < kRouletteStart && segment_ < kManySegments) return true;
   const float probability = std::min(throughput_.max() * eta_scale_, kMaxSurvival);
   throughput_ *= 1 / probability;
-  return u < probability;
+  return random_point(dimension::kLobeAndRoulette).y < probability;
 }
 
 void VolumePathIntegrator::Walk::see_infinity() {
@@ -239,33 +386,38 @@ void VolumePathIntegrator::Walk::see_emission(const Vertex& vertex) {
 }
 
 template <typename View>
-void VolumePathIntegrator::Walk::add_direct_light(const Receiver& at, const View& view) {
-  if (scene_.lights.empty()) return;
+void VolumePathIntegrator::Walk::add_direct_light(const Receiver& at, bool lamps_done, const View& view) {
+  const auto is_done = [&](std::uint32_t light) {
+    return lamps_done && std::ranges::find(lamps_, light, &Lamp::light) != lamps_.end();
+  };
+  if (scene_.lights.size() == (lamps_done ? lamps_.size() : 0)) return;
   if (settings_.light_samples == 0) {
     const std::optional<LightChooser::Choice> chosen =
         scene_.light_choice.sample(at, fine_uniform(random_point(dimension::kLightChoice)));
-    if (chosen) add_light(*chosen, random_point(dimension::position(0)), at.position, view);
+    if (chosen && !is_done(chosen->light))
+      add_light(throughput_, *chosen, random_point(dimension::position(0)), at.position, view);
     return;
   }
   for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) {
+    if (is_done(light)) continue;
     const auto samples = static_cast<std::uint64_t>(samples_of_light(scene_, settings_.light_samples, light));
     for (std::uint64_t i = index_ * samples; i < (index_ + 1) * samples; ++i) {
       const PartChoice chosen = choose_part(scene_.lights[light], random_point(dimension::part(light), i).x);
-      add_light({light, chosen.part, static_cast<float>(samples) * chosen.probability},
+      add_light(throughput_, {light, chosen.part, static_cast<float>(samples) * chosen.probability},
                 random_point(dimension::position(light), i), at.position, view);
     }
   }
 }
 
 template <typename View>
-void VolumePathIntegrator::Walk::add_light(const LightChooser::Choice& chosen, Vec2 u, const Point3& from,
-                                           const View& view) {
+void VolumePathIntegrator::Walk::add_light(const Spectrum& throughput, const LightChooser::Choice& chosen, Vec2 u,
+                                           const Point3& from, const View& view) {
   const std::optional<LightSample> sample = sample_light(scene_.lights[chosen.light], chosen.part, from, u);
   if (!sample) return;
   const std::optional<LitView> lit = view(sample->wi);
   if (!lit || lit->eval.f_cos.is_black()) return;
   const float pdf = sample->pdf * chosen.probability;
-  const Spectrum scattered = throughput_ * lit->eval.f_cos;
+  const Spectrum scattered = throughput * lit->eval.f_cos;
   const Transmittance through =
       passage(shadow_ray(lit->start, from, *sample), most_surfaces_passed(sample->is_delta), lit->medium, scattered);
   if (through.share.is_black()) return;
@@ -302,19 +454,43 @@ Transmittance VolumePathIntegrator::Walk::passage(Ray ray, int most_surfaces, st
 
 VolumePathIntegrator::VolumePathIntegrator(const RenderScene::Data& scene, const Camera& camera,
                                            const RenderSettings& settings)
-    : scene_(scene), settings_(settings), camera_rays_(scene, camera, settings) {
+    : scene_(scene),
+      settings_(settings),
+      camera_rays_(scene, camera, settings),
+      bounds_(scene.geometry.bounds()),
+      tracks_(!std::ranges::all_of(scene.media, &Medium::is_homogeneous)) {
   if (settings.integrator == IntegratorKind::direct) settings_.max_depth = std::min(settings.max_depth, 1);
+  const bool is_plain = settings.integrator == IntegratorKind::path && settings.airlight == Use::automatic;
+  if (settings.airlight != Use::off && !is_plain) lamps_ = find_lamps(scene);
 }
 
-std::uint64_t VolumePathIntegrator::estimate(int x, int y, std::uint32_t first, std::span<PixelSample> samples) const {
-  const PixelSampler sampler(settings_.sampler, settings_.seed, static_cast<std::uint32_t>(x),
-                             static_cast<std::uint32_t>(y));
-  Ray rays[Geometry::kBatch];
-  camera_rays_.generate(sampler, x, y, first, std::span(rays, samples.size()), samples);
-  std::uint64_t traced = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    traced += Walk(scene_, settings_, camera_rays_, sampler, first + i, rays[i], samples[i]).run();
+std::vector<VolumePathIntegrator::Lamp> VolumePathIntegrator::find_lamps(const RenderScene::Data& scene) {
+  constexpr float kNarrowest = 1e-7f;  // cone
+  std::vector<Lamp> lamps;
+  for (std::uint32_t light = 0; light < scene.lights.size(); ++light) {
+    const std::optional<LightBounds> bounds = light_bounds(scene.lights[light], 0);
+    if (!bounds || !is_delta(scene.lights[light])) continue;
+    const float angle = bounds->normals.angle;
+    lamps.push_back({light, bounds->box.min, bounds->normals.axis, std::cos(angle),
+                     std::max(2 * square(std::sin(0.5f * angle)), kNarrowest), bounds->intensity});
   }
+  if (lamps.size() > kMostLamps) lamps.clear();
+  float power = 0;
+  for (const Lamp& lamp : lamps) power += lamp.intensity * lamp.one_minus_cos;
+  for (Lamp& lamp : lamps)
+    lamp.chance = power > 0 ? lamp.intensity * lamp.one_minus_cos / power : 1 / static_cast<float>(lamps.size());
+  return lamps;
+}
+
+std::uint64_t VolumePathIntegrator::estimate(const PixelBlock& block, std::uint32_t first, int count,
+                                             std::span<PixelSample> samples) const {
+  const PixelSampler sampler(settings_.sampler, settings_.seed, static_cast<std::uint32_t>(block.x),
+                             static_cast<std::uint32_t>(block.y));
+  Ray rays[Geometry::kBatch];
+  camera_rays_.generate(sampler, block.x, block.y, first, std::span(rays, samples.size()), samples);
+  std::uint64_t traced = 0;
+  for (int i = 0; i < count; ++i)
+    traced += Walk(*this, sampler, first + static_cast<std::uint32_t>(i), rays[i], samples[i]).run();
   return traced;
 }
 

@@ -143,6 +143,85 @@ TEST(Media, ScatterOnceAsTheIntegralSays) {
   EXPECT_TRUE(tests.holds());
 }
 
+/// Radiance of light from a point of intensity 1, `distance` beside a ray's point `ahead` of its origin, that is
+/// scattered once towards the origin from at most `end` away, in a medium without bounds.
+double airlight(double sigma, double albedo, double g, double distance, double ahead, double end) {
+  const auto from_angle = [&](double angle) {  // at the light, from the ray's nearest point: dt / d² = dθ / distance
+    const double t = ahead + distance * std::tan(angle), d = distance / std::cos(angle);
+    // The cosine of the angle by which light is turned is −sin θ.
+    const double turned = 1 + g * g + 2 * g * std::sin(angle);
+    return std::exp(-sigma * (t + d)) * (1 - g * g) / (4 * kPi * std::pow(turned, 1.5)) / distance;
+  };
+  return sigma * albedo *
+         integrate(from_angle, std::atan(-ahead / distance), std::atan((end - ahead) / distance), 1e-9);
+}
+
+TEST(Media, ScatterAirlightOfAPointAsTheIntegralSays) {
+  const Spectrum sigma(0.1f, 0.4f, 1.5f), albedo(0.9f, 0.6f, 1);
+  TestFamily tests;
+  for (const float g : {0.0f, 0.5f})
+    for (const bool wall : {false, true})
+      for (const int light_samples : {0, 1}) {
+        SceneKit kit;
+        const MediumId medium = kit.medium(homogeneous(sigma, albedo, scene::HenyeyGreensteinPhase{g}));
+        kit.camera_in(medium);
+        kit.light(scene::PointLight{Spectrum(20)}, Transform::translation({0.5f, 0, -3}));
+        kit.quad({-9, -9, wall ? -4.0f : 50.0f}, {18, 0, 0}, {0, 18, 0}, kit.material(scene::NoReflection{}));
+        Spectrum expected;
+        for (int c = 0; c < 3; ++c)
+          expected[c] = static_cast<float>(20 * airlight(sigma[c], albedo[c], g, 0.5, 3, wall ? 4 : 1e4));
+        RenderSettings settings = square_settings(16, 256, 1);
+        settings.light_samples = light_samples;
+        settings.airlight = Use::on;
+        expect_means(tests, fmt::format("g = {}, wall {}, {} light samples", g, wall, light_samples),
+                     render(kit.compile(), pinhole({0, 0, 0}, {0, 0, -1}, 1e-4f), settings).beauty, expected, 0.002);
+      }
+  EXPECT_TRUE(tests.holds());
+}
+
+TEST(Media, GatherTheSameLightAlongTheWayAsWherePathsAreScattered) {
+  // Lamps of all kinds, within the fog and outside it, objects in it, slats before the spot light.
+  SceneKit kit;
+  const MediumId fog =
+      kit.medium(homogeneous(Spectrum(0.2f, 0.5f, 1), Spectrum(0.9f), scene::HenyeyGreensteinPhase{0.4f}));
+  kit.quad({-3, -1.2f, 3}, {6, 0, 0}, {0, 0, -6}, kit.diffuse(Spectrum(0.5f)));
+  kit.sphere({-0.4f, -0.3f, 0.2f}, 0.3f, kit.material(scene::GlassMaterial{}));
+  kit.sphere({0.6f, 0.5f, -0.3f}, 0.15f, kit.emitter(Spectrum(4)));
+  for (const float x : {-0.3f, 0.1f, 0.5f})
+    kit.quad({x, 1.5f, -0.5f}, {0.2f, 0, 0}, {0, 0, 1}, kit.diffuse(Spectrum(0.2f)));
+  const Transform down = Transform::translation({0.2f, 2.2f, 0}) * Transform::rotation({1, 0, 0}, -0.5f * kPi);
+  kit.light(scene::SpotLight{Spectrum(30, 25, 20), 30, 0, 20}, down);
+  kit.light(scene::PointLight{Spectrum(2)}, Transform::translation({-0.5f, 0.4f, 0.3f}));
+  kit.light(scene::PointLight{Spectrum(3)}, Transform::translation({1.8f, 0.5f, 1}));
+  kit.light(scene::ProjectorLight{}, Transform::translation({0, 0, 3}));
+  kit.light(scene::ConstantLight{Spectrum(0.1f)});
+  add_ball(kit, 1.4f, fog);
+  const RenderScene scene = kit.compile();
+  TestFamily tests;
+  for (const int depth : {1, 2, kUnlimitedDepth})
+    for (const int light_samples : {0, 2}) {
+      RenderSettings settings = square_settings(24, 256, depth);
+      settings.light_samples = light_samples;
+      settings.airlight = Use::on;
+      const SampledPicture on = sampled_picture(render(scene, kAroundBall, settings));
+      settings.airlight = Use::off;
+      settings.seed = 1;
+      settings.samples_per_pixel = 512;
+      const SampledPicture off = sampled_picture(render(scene, kAroundBall, settings));
+      for (int y = 0; y < 24; y += 8)
+        for (int x = 0; x < 24; x += 8)
+          for (int c = 0; c < 3; ++c) {
+            const RegionMean a = region_mean(on, {x, y, 8, 8}, c), b = region_mean(off, {x, y, 8, 8}, c);
+            tests.add(fmt::format("depth {}, {} light samples, ({}, {}), channel {}: {} instead of {}", depth,
+                                  light_samples, x, y, c, a.mean, b.mean),
+                      a.p_value(b));
+          }
+      const CropWindow all{0, 0, 24, 24};
+      EXPECT_LT(region_mean(on, all, 1).error, 0.01 * region_mean(on, all, 1).mean);
+    }
+  EXPECT_TRUE(tests.holds());
+}
+
 TEST(Media, ThatAbsorbNothingDisappearInUniformLight) {
   TestFamily tests;
   for (const scene::Phase& phase :

@@ -13,9 +13,10 @@ MaterialId SceneKit::material(const scene::Surface& surface, const Spectrum& emi
 }
 
 void SceneKit::mesh(std::vector<Point3> positions, std::vector<std::array<std::uint32_t, 3>> triangles,
-                    MaterialId material) {
+                    MaterialId material, std::vector<Vec3> normals) {
   scene::Mesh mesh;
   mesh.positions = std::move(positions);
+  mesh.normals = std::move(normals);
   mesh.triangles = std::move(triangles);
   scene_.meshes.push_back(std::move(mesh));
   const scene::Id<scene::Mesh> id{static_cast<std::uint32_t>(scene_.meshes.size() - 1)};
@@ -114,6 +115,7 @@ RenderSettings square_settings(int size, int samples_per_pixel, int max_depth) {
   settings.width = settings.height = size;
   settings.samples_per_pixel = samples_per_pixel;
   settings.max_depth = max_depth;
+  settings.integrator = IntegratorKind::path;
   settings.sampler = SamplerKind::independent;
   return settings;
 }

@@ -28,7 +28,8 @@ class SceneKit {
   void sphere(const Point3& center, float radius, MaterialId material);
   /// The sphere as flat triangles with corners on it, `rings` from pole to pole, twice as many around.
   void triangulated_sphere(const Point3& center, float radius, int rings, MaterialId material);
-  void mesh(std::vector<Point3> positions, std::vector<std::array<std::uint32_t, 3>> triangles, MaterialId material);
+  void mesh(std::vector<Point3> positions, std::vector<std::array<std::uint32_t, 3>> triangles, MaterialId material,
+            std::vector<Vec3> normals = {});
   void light(const scene::LightSource& source, const Transform& to_world = {});
 
   scene::Id<scene::Volume> volume(scene::Volume volume);
@@ -48,7 +49,8 @@ class SceneKit {
 /// Pinhole at `eye`; the picture reaches `half` to each side on the plane at distance 1.
 Camera pinhole(const Point3& eye, const Point3& target, float half);
 
-/// Square picture with independent samples, so that the variances of its pixels are those of their means.
+/// Square picture by plain path tracing with independent samples, so that the variances of its pixels are those of
+/// their means, and pixels know nothing of each other.
 RenderSettings square_settings(int size, int samples_per_pixel, int max_depth = kUnlimitedDepth);
 
 /// Renders to the end. Fails the test if samples were invalid.

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "photons/photon_map.h"
+
+namespace etendue {
+
+/// How dense photons lie where, learned from a pilot: where they are rare, a lookup takes those of a larger disk; where
+/// there are more than help, only some are kept. A function of the place alone, so that what a photon is worth does not
+/// depend on the others.
+class PhotonSpread {
+ public:
+  /// Disks are as large as the finest, or 2, 4 or 8 times as wide.
+  static constexpr int kLevels = 4;
+
+  PhotonSpread() = default;
+  /// `pilot`: as many as there will be at a time. `finest`: radius in metres.
+  PhotonSpread(std::span<const Photon> pilot, float finest);
+
+  /// Of lookups at a place.
+  int level(const Point3& position) const;
+  /// Bit l is set if the disk of some lookup of level l may hold the position.
+  unsigned levels_around(const Point3& position) const;
+  /// Share of the photons to keep there, in (0, 1].
+  float kept(const Point3& position) const;
+
+ private:
+  /// The pilot's photons in the cells of a grid, by hash.
+  struct Counts {
+    Counts() = default;
+    Counts(std::span<const Photon> pilot, float side);
+    float at(const Point3& position) const;
+    std::size_t bucket(const Point3& position) const;
+
+    float cells_per_metre = 0;
+    std::vector<std::uint32_t> buckets;
+  };
+  float reach_ = 0;  ///< of the widest disks
+  Counts coarse_, fine_;
+};
+
+/// Photons for lookups of all levels.
+class PhotonMaps {
+ public:
+  PhotonMaps() = default;
+  /// `finest`: radius, at most that of the spread.
+  PhotonMaps(std::span<const Photon> photons, const PhotonSpread& spread, float finest);
+
+  /// Calls `see(photon)` for all photons within the disk of a level.
+  template <typename See>
+  void for_each_near(const Point3& position, int level, See&& see) const {
+    maps_[level].for_each_near(position, see);
+  }
+  float radius(int level) const { return maps_[level].radius(); }
+
+ private:
+  std::array<PhotonMap, PhotonSpread::kLevels> maps_;
+};
+
+}  // namespace etendue
