@@ -140,7 +140,7 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
   flags::choice<Use>(app, "--airlight", s.airlight, uses,
                      "Rays through even fog gather light of lamps on their whole way (default auto)")
       ->group("Sampling");
-  flags::number(app, "--clamp", s.clamp, Range{std::numeric_limits<float>::min(), kHuge}, "X",
+  flags::number(app, "--clamp", s.clamp, Range{1e-6f, kHuge}, "X",
                 "No sample counts as brighter than this; biased (default: off)")
       ->group("Sampling");
   flags::number(app, "--seed", s.seed, Range<std::uint64_t>{0, std::numeric_limits<std::uint64_t>::max()}, "N",

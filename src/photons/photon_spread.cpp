@@ -12,9 +12,9 @@ namespace {
 /// Side of the cells in which the pilot is counted, in finest radii: as wide as the largest disk's radius, and as the
 /// finest disk.
 constexpr float kCoarse = 8, kFine = 2;
-/// A disk is widened while it is expected to hold fewer photons than this.
+/// A disk is widened while it is expected to hold fewer of the pilot's photons than this.
 constexpr float kFewest = 8;
-/// What a finest disk is expected to hold at most; more are thinned out.
+/// Of which a finest disk is expected to hold so many at most; more are thinned out.
 constexpr float kMost = 16;
 
 }  // namespace

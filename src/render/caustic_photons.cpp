@@ -84,7 +84,7 @@ struct CausticPhotons::Arrived {
 
 CausticPhotons::CausticPhotons(const RenderScene::Data& scene, const Camera& camera, const RenderSettings& settings,
                                std::uint32_t generation_size)
-    : scene_(scene), settings_(settings) {
+    : scene_(scene), sampler_(settings.sampler), seed_(settings.seed) {
   if (!scene.media.empty()) return;
   aim_ = LightAim(scene.lights, specular_targets(scene), scene.geometry.bounds());
   if (!aim_.possible()) return;
@@ -133,7 +133,7 @@ std::uint64_t CausticPhotons::trace(std::uint32_t generation) {
 /// Follows a photon along delta lobes, leaving a record wherever something else could scatter it.
 std::uint64_t CausticPhotons::trace_one(std::uint32_t generation, std::uint32_t index,
                                         std::vector<Photon>& arrived) const {
-  const PixelSampler sampler(settings_.sampler, settings_.seed, generation, kPhotonRow);
+  const PixelSampler sampler(sampler_, seed_, generation, kPhotonRow);
   const std::optional<EmittedRay> emitted =
       aim_.sample(point(sampler, kWhich, index), point(sampler, kPosition, index), point(sampler, kDirection, index),
                   point(sampler, kTarget, index).x);

@@ -78,7 +78,8 @@ class CausticPhotons {
   float found_weight(const SpecularChain& chain, float density) const;
 
   const RenderScene::Data& scene_;
-  const RenderSettings& settings_;
+  SamplerKind sampler_;
+  std::uint64_t seed_;
   LightAim aim_;
   std::optional<PhotonSpread> spread_;  ///< once it is known
   static constexpr std::uint32_t kShares = 8;

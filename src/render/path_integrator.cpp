@@ -125,8 +125,9 @@ class PathIntegrator::Batch {
 
   void see_infinity();
   void see_emission(int i);
-  /// Of path i's first among `samples` samples a path.
+  /// How many chosen lights the path's vertex asks.
   int light_samples(const Path& path) const { return self_.splits_ ? kLightSamples[std::min(path.scatterings, 2)] : 1; }
+  /// Of path i's first among `samples` samples a path.
   std::uint64_t sample_number(int i, std::int64_t samples) const {
     return (std::uint64_t{first_} + static_cast<std::uint64_t>(i)) * static_cast<std::uint64_t>(samples);
   }

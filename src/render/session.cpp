@@ -234,7 +234,7 @@ void RenderSession::Impl::prepare(std::uint32_t generation) {
 
 /// Brings all pixels that get more to `target` samples; they are of one generation.
 void RenderSession::Impl::render_to(std::uint32_t target, const std::stop_token& stop) {
-  const int side = std::max(1, settings.tile_size / blocks.side);  // of a tile, in blocks
+  const int side = std::max(1, settings.tile_size / blocks.side());  // of a tile, in blocks
   const int columns = (blocks.columns() + side - 1) / side, rows = (blocks.rows() + side - 1) / side;
   parallel_for(static_cast<std::size_t>(columns) * rows, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
