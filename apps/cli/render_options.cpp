@@ -137,6 +137,8 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
       ->group("Sampling");
   flags::choice<Use>(app, "--reuse", s.reuse, uses, "Neighbouring pixels share their paths (default auto)")
       ->group("Sampling");
+  flags::choice<Use>(app, "--cache", s.cache, uses, "Light between diffuse surfaces is looked up (default auto)")
+      ->group("Sampling");
   flags::choice<Use>(app, "--airlight", s.airlight, uses,
                      "Rays through even fog gather light of lamps on their whole way (default auto)")
       ->group("Sampling");

@@ -154,7 +154,10 @@ std::optional<EmittedRay> LightAim::sample(Vec2 which, Vec2 position, Vec2 direc
   const Light& light = (*lights_)[chosen.index];
   std::optional<EmittedRay> out = is_infinite(light) ? arrive(light, position, direction, target)
                                                      : leave(light, which.y, position, direction, target);
-  if (out) out->density *= chosen.probability;
+  if (out) {
+    out->density *= chosen.probability;
+    out->light = static_cast<std::uint32_t>(chosen.index);
+  }
   return out && out->density > 0 && std::isfinite(out->density) ? out : std::nullopt;
 }
 
@@ -163,10 +166,18 @@ std::optional<EmittedRay> LightAim::leave(const Light& light, float part, Vec2 p
   const std::optional<LightPoint> point = sample_light_point(light, position, part);
   if (!point || point->radiance.is_black()) return std::nullopt;
   const Vec3& normal = point->surface.geometric_normal;
+  const std::optional<Direction> to = this->direction(point->surface.position, normal, direction, target);
+  if (!to) return std::nullopt;
+  return EmittedRay{
+      {offset_origin(point->surface, to->w), to->w}, point->radiance, point->pdf_area * to->pdf / dot(to->w, normal)};
+}
+
+std::optional<LightAim::Direction> LightAim::direction(const Point3& from, const Vec3& normal, Vec2 u,
+                                                       float target) const {
   std::array<Cone, kMostTargets> cones;
   float sum = 0;
   for (std::size_t t = 0; t < targets_.size(); ++t) {
-    cones[t] = cone(targets_[t], point->surface.position, normal);
+    cones[t] = cone(targets_[t], from, normal);
     sum += cones[t].weight;
   }
   if (sum == 0) return std::nullopt;
@@ -174,13 +185,13 @@ std::optional<EmittedRay> LightAim::leave(const Light& light, float part, Vec2 p
   float rest = target * sum;
   while (chosen + 1 < targets_.size() && rest >= cones[chosen].weight) rest -= cones[chosen++].weight;
   const Cone& to = cones[chosen];
-  const Vec3 w = to.around ? Frame::from_normal(normal).to_world(sample_hemisphere_cosine(direction))
-                           : Frame::from_normal(to.axis).to_world(sample_cone_uniform(direction, to.one_minus_cos));
+  const Vec3 w = to.around ? Frame::from_normal(normal).to_world(sample_hemisphere_cosine(u))
+                           : Frame::from_normal(to.axis).to_world(sample_cone_uniform(u, to.one_minus_cos));
   const float cosine = dot(w, normal);
   if (cosine <= 0) return std::nullopt;
   float pdf = 0;
   for (std::size_t t = 0; t < targets_.size(); ++t) pdf += cones[t].weight * cones[t].pdf(w, cosine);
-  return EmittedRay{{offset_origin(point->surface, w), w}, point->radiance, point->pdf_area * pdf / (sum * cosine)};
+  return Direction{w, pdf / sum};
 }
 
 float LightAim::direction_pdf(const Point3& from, const Vec3& normal, const Vec3& w) const {

@@ -27,6 +27,7 @@ struct EmittedRay {
   Spectrum radiance;
   /// With which it was chosen, per m² across the ray and sr: the measure of étendue.
   float density = 0;
+  std::uint32_t light = 0;  ///< whose it is
 };
 
 /// A ball at which light is aimed.
@@ -51,6 +52,16 @@ class LightAim {
 
   /// Random numbers are uniform: `which` light and part, `position`, `direction`, and `target`.
   std::optional<EmittedRay> sample(Vec2 which, Vec2 position, Vec2 direction, float target) const;
+  /// A direction from a point of a surface towards the targets, within the hemisphere around its normal. Nothing if none
+  /// of them can be seen from there.
+  struct Direction {
+    Vec3 w;         ///< unit
+    float pdf = 0;  ///< per solid angle
+  };
+  std::optional<Direction> direction(const Point3& from, const Vec3& normal, Vec2 u, float target) const;
+  /// With which direction() gives `w`, unit.
+  float direction_pdf(const Point3& from, const Vec3& normal, const Vec3& w) const;
+
   /// Density with which sample() gives the ray that leaves `hit` of a finite light along `w`, unit.
   float density(std::uint32_t light, const LightHit& hit, const Vec3& w) const;
   /// The same for light from infinity that arrives at `position` from the direction `wi`, which sample_light gives with
@@ -60,7 +71,6 @@ class LightAim {
  private:
   struct Cone;
   Cone cone(const AimTarget& target, const Point3& from, const Vec3& normal) const;
-  float direction_pdf(const Point3& from, const Vec3& normal, const Vec3& w) const;
   std::optional<EmittedRay> leave(const Light& light, float part, Vec2 position, Vec2 direction, float target) const;
   std::optional<EmittedRay> arrive(const Light& light, Vec2 position, Vec2 direction, float target) const;
   float disk_pdf(const Point3& position, const Vec3& w) const;

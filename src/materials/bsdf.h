@@ -56,10 +56,15 @@ struct DielectricBsdf {
   BsdfEval eval(const Vec3&, const Vec3&, TransportMode) const { return {}; }
   std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
   Spectrum albedo() const { return boundary == Boundary::transmit_only ? transmittance : Spectrum(1); }
+  /// That sample() reflects, for every `choice` below it; it refracts for all others.
+  float reflection_probability(const Vec3& wo) const;
   /// Share of the light from behind that a thin pane lets straight through to wo.
   Spectrum straight_through(const Vec3& wo) const;
   static constexpr bool is_delta() { return true; }
   static constexpr bool transmits() { return true; }
+
+ private:
+  float eta_from(const Vec3& wo) const;  ///< index beyond / before
 };
 
 /// Rough metal: single scattering from microfacets, f = F G D / (4 cos θo cos θi) (Walter et al. 2007, eq. 20).
@@ -71,8 +76,13 @@ struct ConductorBsdf {
   BsdfEval eval(const Vec3& wo, const Vec3& wi, TransportMode mode) const;
   std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
   Spectrum albedo() const;
+  /// Whether a lamp's light that it reflects is bright in some places and dark in others.
+  bool gleams() const { return microfacets.widest() < kWidestGleam; }
   static constexpr bool is_delta() { return false; }
   static constexpr bool transmits() { return false; }
+
+ private:
+  static constexpr float kWidestGleam = 0.4f;
 };
 
 /// Rough dielectric boundary: single scattering from microfacets that reflect and refract (Walter et al. 2007, eqs. 20

@@ -11,7 +11,7 @@ namespace {
 
 /// What a material asks for by itself, without those that it names.
 struct Needs {
-  bool texture_point = false, tangents = false, passes = false, specular = false;
+  bool texture_point = false, tangents = false, passes = false, gleams = false, specular = false;
   std::vector<std::uint32_t> inner;
 };
 
@@ -37,10 +37,14 @@ struct NeedsFinder {
   void operator()(const UniformMaterial& m) {
     needs.passes = !straight_through(m.bsdf, {0, 0, 1}).is_black();
     const auto* glass = std::get_if<DielectricBsdf>(&m.bsdf);
+    const auto* metal = std::get_if<ConductorBsdf>(&m.bsdf);
+    needs.gleams = metal != nullptr && metal->gleams();
     needs.specular = std::holds_alternative<MirrorBsdf>(m.bsdf) || (glass != nullptr && !needs.passes);
   }
   void operator()(const DiffuseMaterial& m) { look(m.reflectance); }
-  void operator()(const ConductorMaterial& m) { look(m.reflectance), widths(m.alpha_u, m.alpha_v); }
+  void operator()(const ConductorMaterial& m) {
+    look(m.reflectance), widths(m.alpha_u, m.alpha_v), needs.gleams = true;
+  }
   void operator()(const SmoothConductorMaterial& m) { look(m.reflectance), needs.specular = true; }
   void operator()(const ThinGlassMaterial& m) { look_at(m.reflectance, m.transmittance), needs.passes = true; }
   void operator()(const RoughGlassMaterial& m) {
@@ -93,15 +97,18 @@ void resolve_needs(Materials& materials) {
         needs[i].texture_point |= needs[inner].texture_point;
         needs[i].tangents |= needs[inner].tangents;
         needs[i].passes |= needs[inner].passes;
+        needs[i].gleams |= needs[inner].gleams;
         needs[i].specular |= needs[inner].specular;
         changed |= before.texture_point != needs[i].texture_point || before.tangents != needs[i].tangents ||
-                   before.passes != needs[i].passes || before.specular != needs[i].specular;
+                   before.passes != needs[i].passes || before.gleams != needs[i].gleams ||
+                   before.specular != needs[i].specular;
       }
   }
   for (std::size_t i = 0; i < materials.size(); ++i) {
     materials[i].needs_texture_point = needs[i].texture_point;
     materials[i].needs_tangents = needs[i].tangents;
     materials[i].may_pass = needs[i].passes;
+    materials[i].gleams = needs[i].gleams;
     materials[i].specular = needs[i].specular;
   }
 }

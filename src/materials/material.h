@@ -93,11 +93,13 @@ struct Material {
   bool needs_texture_point = false;    ///< scatter() looks at the texture coordinates
   bool needs_tangents = false;         ///< scatter() looks at the tangents
   bool may_pass = false;               ///< light may go straight through (null, mask, thin glass)
+  bool gleams = false;                 ///< rough metal that is smooth enough to focus light
   bool specular = false;  ///< all light, or much, may be scattered into one direction (mirrors, smooth glass)
 };
 using Materials = std::vector<Material>;
 
-/// Sets the flags `needs_…`, `may_pass` and `specular` of all materials from what they and those they name are made of.
+/// Sets the flags `needs_…`, `may_pass`, `gleams` and `specular` of all materials from what they and those they name
+/// are made of.
 void resolve_needs(Materials& materials);
 
 /// A surface point with all that materials may ask for.
@@ -117,6 +119,22 @@ class Scattering {
   BsdfEval eval(const Vec3& wi) const;
   /// Where light may come from; Lobe::straight for light that passes as if nothing were there.
   std::optional<BsdfSample> sample(Vec2 u, float choice, TransportMode mode = TransportMode::radiance) const;
+
+  /// Where light comes from two directions only, a mirror's and a refracted one: the probability of the mirror's, which
+  /// sample() takes for every `choice` below it.
+  std::optional<float> reflection_probability() const {
+    const auto* boundary = opacity_ == 1 ? std::get_if<DielectricBsdf>(&bsdf()) : nullptr;
+    if (boundary == nullptr || boundary->boundary == Boundary::thin) return std::nullopt;
+    return boundary->reflection_probability(wo_local_);
+  }
+
+  /// Whether it is rough metal that focuses light.
+  bool gleams() const {
+    const auto* metal = opacity_ == 1 && !mapped_ ? std::get_if<ConductorBsdf>(&bsdf()) : nullptr;
+    return metal != nullptr && metal->gleams();
+  }
+  /// Density with which sample() would give `wo` if the surface were seen from `wi`.
+  float reverse_pdf(const Vec3& wi) const { return eval_bsdf(bsdf(), frame_.to_local(wi), wo_local_).pdf * opacity_; }
 
   bool is_delta() const { return opacity_ == 0 || etendue::is_delta(bsdf()); }
   bool transmits() const { return etendue::transmits(bsdf()); }

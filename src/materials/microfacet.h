@@ -19,6 +19,8 @@ class MicrofacetDistribution {
   MicrofacetDistribution(MicrofacetKind kind, float alpha_u, float alpha_v)
       : kind_(kind), alpha_u_(std::max(alpha_u, kMinAlpha)), alpha_v_(std::max(alpha_v, kMinAlpha)) {}
 
+  float widest() const { return std::max(alpha_u_, alpha_v_); }
+
   /// D(m): density of normals per solid angle and per area of the macrosurface; ∫ D(m) (m·z) dm = 1.
   float density(const Vec3& m) const;
   /// G₁(w): visible share of the microfacets that face w. The same for −w, from below.

@@ -37,15 +37,23 @@ Spectrum MirrorBsdf::albedo() const {
   return share(1);
 }
 
+float DielectricBsdf::eta_from(const Vec3& wo) const {
+  // Beyond a thin one's first boundary it is the inside from both sides.
+  return wo.z > 0 || boundary == Boundary::thin ? ior : 1 / ior;
+}
+
+float DielectricBsdf::reflection_probability(const Vec3& wo) const {
+  const float share = reflected_share(boundary, std::abs(wo.z), eta_from(wo));
+  const float reflect = share * reflectance.max(), transmit = (1 - share) * transmittance.max();
+  return reflect + transmit > 0 ? reflect / (reflect + transmit) : 0.0f;
+}
+
 std::optional<BsdfSample> DielectricBsdf::sample(const Vec3& wo, Vec2, float choice, TransportMode mode) const {
   if (wo.z == 0) return std::nullopt;
   const bool thin = boundary == Boundary::thin;
-  const float eta =
-      wo.z > 0 || thin ? ior : 1 / ior;  // beyond a thin one's first boundary it is the inside from both sides
+  const float eta = eta_from(wo);
   const float share = reflected_share(boundary, std::abs(wo.z), eta);
-  const float reflect = share * reflectance.max(), transmit = (1 - share) * transmittance.max();
-  if (reflect + transmit <= 0) return std::nullopt;
-  const float probability = reflect / (reflect + transmit);
+  const float probability = reflection_probability(wo);
   if (choice < probability)
     return BsdfSample{reflected(wo), reflectance * (share / probability), 0, Lobe::delta_reflection};
   const Spectrum transmitted = transmittance * ((1 - share) / (1 - probability));

@@ -14,11 +14,12 @@ namespace etendue {
 /// Light that arrived at a surface.
 struct Photon {
   Point3 position;
-  Vec3 wi;          ///< unit, to where it came from
-  Vec3 normal;      ///< unit, of the surface, geometric
-  Spectrum flux;    ///< in W, of one emitted photon: not yet divided by their number
-  float density;    ///< with which one emitted photon arrives like this, per m² of surface facing wi and sr
-  int bounces = 0;  ///< between the light and here
+  Vec3 wi;            ///< unit, to where it came from
+  Vec3 normal;        ///< unit, of the surface, geometric
+  Spectrum flux;      ///< in W, of one emitted photon: not yet divided by their number
+  float density;      ///< with which one emitted photon arrives like this, per m² of surface facing wi and sr
+  int bounces = 0;    ///< between the light and here
+  bool ends = false;  ///< is not scattered on from here
 };
 
 /// Photons by where they are: a hashed grid, built once, read by all threads.

@@ -11,9 +11,12 @@ namespace {
 
 /// Side of the cells in which the pilot is counted, in finest radii: as wide as the largest disk's radius, and as the
 /// finest disk.
-constexpr float kCoarse = 8, kFine = 2;
+constexpr float kCoarse = 16, kFine = 2;
 /// A disk is widened while it is expected to hold fewer of the pilot's photons than this.
-constexpr float kFewest = 8;
+constexpr float kFewest = 32;
+/// Nor further than the surface is flat: 1 − the length of the mean normal within a cell, for the widest disk, which is
+/// as wide as its normals turn by 45°; four times as much for half the disk.
+constexpr float kMostBend = 0.025f;
 /// Of which a finest disk is expected to hold so many at most; more are thinned out.
 constexpr float kMost = 16;
 
@@ -26,7 +29,17 @@ PhotonSpread::PhotonSpread(std::span<const Photon> pilot, float finest)
 
 PhotonSpread::Counts::Counts(std::span<const Photon> pilot, float side)
     : cells_per_metre(1 / side), buckets(std::bit_ceil(4 * pilot.size() + 1)) {
-  for (const Photon& photon : pilot) ++buckets[bucket(photon.position)];
+  normals.resize(buckets.size(), Vec3(0, 0, 0));
+  for (const Photon& photon : pilot) {
+    const std::size_t b = bucket(photon.position);
+    ++buckets[b];
+    normals[b] = normals[b] + photon.normal;
+  }
+}
+
+float PhotonSpread::Counts::flatness(const Point3& position) const {
+  const std::size_t b = bucket(position);
+  return buckets[b] > 0 ? length(normals[b]) / static_cast<float>(buckets[b]) : 1.0f;
 }
 
 std::size_t PhotonSpread::Counts::bucket(const Point3& position) const {
@@ -44,7 +57,10 @@ float PhotonSpread::Counts::at(const Point3& position) const {
 
 int PhotonSpread::level(const Point3& position) const {
   int level = 0;
-  for (float held = coarse_.at(position) * kPi / square(kCoarse); held < kFewest && level + 1 < kLevels; held *= 4)
+  float held = coarse_.at(position) * kPi / square(kCoarse);
+  float bend = held < kFewest ? 1 - coarse_.flatness(position) : 0.0f;
+  for (float most = kMostBend * static_cast<float>(1 << 2 * (kLevels - 2));
+       held < kFewest && level + 1 < kLevels && bend <= most; held *= 4, most /= 4)
     ++level;
   return level;
 }
@@ -59,9 +75,12 @@ unsigned PhotonSpread::levels_around(const Point3& position) const {
   return levels;
 }
 
+float PhotonSpread::held(const Point3& position) const {
+  return kPi * std::max(coarse_.at(position) / square(kCoarse), fine_.at(position) / square(kFine));
+}
+
 float PhotonSpread::kept(const Point3& position) const {
-  const float held = kPi * std::max(coarse_.at(position) / square(kCoarse), fine_.at(position) / square(kFine));
-  return kMost / std::max(held, kMost);
+  return kMost / std::max(held(position), kMost);
 }
 
 PhotonMaps::PhotonMaps(std::span<const Photon> photons, const PhotonSpread& spread, float finest) {

@@ -15,7 +15,7 @@ namespace etendue {
 class PhotonSpread {
  public:
   /// Disks are as large as the finest, or 2, 4 or 8 times as wide.
-  static constexpr int kLevels = 4;
+  static constexpr int kLevels = 5;
 
   PhotonSpread() = default;
   /// `pilot`: as many as there will be at a time. `finest`: radius in metres.
@@ -25,6 +25,8 @@ class PhotonSpread {
   int level(const Point3& position) const;
   /// Bit l is set if the disk of some lookup of level l may hold the position.
   unsigned levels_around(const Point3& position) const;
+  /// Photons of the pilot within a finest disk there.
+  float held(const Point3& position) const;
   /// Share of the photons to keep there, in (0, 1].
   float kept(const Point3& position) const;
 
@@ -36,8 +38,12 @@ class PhotonSpread {
     float at(const Point3& position) const;
     std::size_t bucket(const Point3& position) const;
 
+    /// Length of the mean of their normals: 1 where the surface is flat.
+    float flatness(const Point3& position) const;
+
     float cells_per_metre = 0;
     std::vector<std::uint32_t> buckets;
+    std::vector<Vec3> normals;  ///< their sums
   };
   float reach_ = 0;  ///< of the widest disks
   Counts coarse_, fine_;

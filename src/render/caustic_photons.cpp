@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "render/caustic_targets.h"
 #include "render/direct_light.h"
+#include "render/pixel_width.h"
 #include "sampling/sampler.h"
 
 namespace etendue {
@@ -17,56 +18,34 @@ constexpr std::uint64_t kSamplesPerPhoton = 2 * Geometry::kBatch;
 constexpr std::uint64_t kMostPhotons = 1 << 21;
 constexpr std::uint32_t kChunk = 1024;
 /// Of the first generation, in pixels as wide as they are at most of the surfaces that the camera sees.
-constexpr float kRadiusInPixels = 0.75f;
+constexpr float kRadiusInPixels = 0.5f;
 /// r² ∝ (generation + 1)^−⅓ (Knaus and Zwicker 2011, eq. 10 with α = ⅔, as a power).
 constexpr float kShrinking = -1.0f / 6;
 /// Instead of a generation: photons that only show where the others will be.
 constexpr std::uint32_t kPilot = 0xffff'ffffu;
 /// Photons on surfaces that turn away by more than this cosine are not those of this surface.
 constexpr float kSameSurface = 0.7f;
+/// Share of the photons on a diffuse surface that go on, towards mirrors and glass.
+constexpr float kScattered = 0.5f;
+constexpr std::uint64_t kMostSurfaces = 128;  ///< that a photon meets
 /// In place of a pixel's row, which no picture reaches: photons' random numbers.
-constexpr std::uint32_t kPhotonRow = 0xffff'fff0u, kPilotRow = 0xffff'fff1u;
+constexpr std::uint32_t kPhotonRow = 0xffff'fff0u;
 
 /// Dimensions of a photon's random numbers.
-enum : std::uint64_t { kWhich, kPosition, kDirection, kTarget, kBounce, kKeep = kBounce + 2 * kMostBounces };
+enum : std::uint64_t {
+  kWhich,
+  kPosition,
+  kDirection,
+  kTarget,
+  kBounce,
+  kKeep = kBounce + kMostSurfaces,
+  kScatter = kKeep + kMostSurfaces
+};
 
 Vec2 point(const PixelSampler& sampler, std::uint64_t dimension, std::uint32_t index) {
   Vec2 u;
   sampler.points(dimension, index, 1, &u.x, &u.y);
   return u;
-}
-
-/// Width of a pixel at the first surfaces with more than delta lobes that the camera sees, whichever way it sees them:
-/// a width that three quarters of them exceed. 0 if there are none.
-float usual_pixel_width(const RenderScene::Data& scene, const Camera& camera, const RenderSettings& settings) {
-  constexpr int kRays = 32, kMirrors = 12;
-  if (camera.projection != Projection::perspective && camera.projection != Projection::orthographic) return 0;
-  const float per_metre = 2 * camera.tan_half_x / static_cast<float>(settings.width);
-  std::vector<float> widths;
-  for (std::uint32_t i = 0; i < kRays * kRays; ++i) {
-    const PixelSampler sampler(SamplerKind::independent, 0, i, kPilotRow);
-    Ray ray = generate_ray(
-        camera, Vec2(static_cast<float>(i % kRays) + 0.5f, static_cast<float>(i / kRays) + 0.5f) * (1.0f / kRays),
-        {0.5f, 0.5f});
-    float way = 0;
-    for (std::uint32_t bounce = 0; bounce < kMirrors; ++bounce) {
-      const RayHit hit = scene.geometry.intersect(ray);
-      if (!hit.found()) break;
-      way += hit.t;
-      const Vertex vertex = find_vertex(scene, ray, hit);
-      if (!vertex.scattering.is_delta()) {
-        widths.push_back(camera.projection == Projection::perspective ? per_metre * way : per_metre);
-        break;
-      }
-      const auto sample = vertex.scattering.sample(point(sampler, bounce, 0), point(sampler, bounce, 1).x);
-      if (!sample) break;
-      ray = {offset_origin(vertex.surface, sample->wi), sample->wi};
-    }
-  }
-  if (widths.empty()) return 0;
-  const auto quarter = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 4);
-  std::nth_element(widths.begin(), quarter, widths.end());
-  return *quarter;
 }
 
 }  // namespace
@@ -84,7 +63,7 @@ struct CausticPhotons::Arrived {
 
 CausticPhotons::CausticPhotons(const RenderScene::Data& scene, const Camera& camera, const RenderSettings& settings,
                                std::uint32_t generation_size)
-    : scene_(scene), sampler_(settings.sampler), seed_(settings.seed) {
+    : scene_(scene), sampler_(settings.sampler), seed_(settings.seed), light_samples_(settings.light_samples) {
   if (!scene.media.empty()) return;
   aim_ = LightAim(scene.lights, specular_targets(scene), scene.geometry.bounds());
   if (!aim_.possible()) return;
@@ -130,6 +109,80 @@ std::uint64_t CausticPhotons::trace(std::uint32_t generation) {
   return rays;
 }
 
+/// Whether photons go on from there into other directions than those of delta lobes.
+bool scatters(const Vertex& vertex) {
+  return vertex.scattering.is_lambertian();
+}
+
+/// The normal on the side from which the vertex is seen.
+Vec3 facing_normal(const Vertex& vertex) {
+  const Vec3& normal = vertex.surface.geometric_normal;
+  return dot(normal, vertex.wo) < 0 ? -normal : normal;
+}
+
+/// Density with which photons leave a vertex along `w`, per étendue and emitted photon; `pdf` is that of the direction.
+/// How many arrive there the pilot tells. Where a path's lookup there would find less than one photon, the path is
+/// worth less than a sample of the chain: by as much, the photons' density is greater (Jendersie 2019, "Variance
+/// reduction via footprint estimation in the presence of path reuse").
+float CausticPhotons::scattered_density(const Vertex& vertex, const Vec3& w, float pdf) const {
+  const Point3& position = vertex.surface.position;
+  const float held = spread_->held(position);
+  const float one = static_cast<float>(kShares) / static_cast<float>(1 << (2 * spread_->level(position)));
+  const float pilot = static_cast<float>(kShares) * static_cast<float>(emitted_);
+  return kScattered * std::max(held, one) / (kPi * square(first_radius_) * pilot) * pdf /
+         std::abs(dot(w, vertex.surface.geometric_normal));
+}
+
+/// Sends a photon that arrived at a diffuse surface on towards mirrors and glass.
+std::optional<Ray> CausticPhotons::scatter(const Vertex& vertex, Vec2 direction, Vec2 target_and_roulette,
+                                           Photon& photon) const {
+  if (target_and_roulette.y >= kScattered) return std::nullopt;
+  const auto to = aim_.direction(vertex.surface.position, facing_normal(vertex), direction, target_and_roulette.x);
+  if (!to) return std::nullopt;
+  const Spectrum f_cos = vertex.scattering.eval(to->w).f_cos;
+  if (f_cos.is_black()) return std::nullopt;
+  photon.flux *= f_cos * (etendue_ratio(vertex, to->w) / (to->pdf * kScattered));
+  photon.density = spread_ ? scattered_density(vertex, to->w, to->pdf) : 0.0f;
+  ++photon.bounces;
+  return Ray{offset_origin(vertex.surface, to->w), to->w};
+}
+
+/// What gleams at rough metal, paths find by light samples and by the metal's own directions: so often together.
+float CausticPhotons::gleam_rival(const Receiver& at, std::uint32_t light, float pdf, float pdf_bsdf) const {
+  return pdf_bsdf + pdf * light_density(scene_, light_samples_, at, light, 0);
+}
+
+/// Sends a photon from an infinite light on from the rough metal that it met first.
+std::optional<Ray> CausticPhotons::reflect(const Vertex& vertex, std::uint32_t light, Vec2 direction, float choice,
+                                           Photon& photon) const {
+  const auto next = vertex.scattering.sample(direction, choice, TransportMode::importance);
+  if (!next || next->is_delta()) return std::nullopt;
+  const Vec3& ng = vertex.surface.geometric_normal;
+  Receiver at{vertex.surface.position, dot(ng, next->wi) < 0 ? -ng : ng};
+  const float pdf = look_at_infinity(scene_.lights[light], vertex.wo).pdf;
+  photon.flux *= next->weight * etendue_ratio(vertex, next->wi);
+  photon.density *= next->pdf * std::abs(dot(vertex.wo, ng) / dot(next->wi, ng)) /
+                    gleam_rival(at, light, pdf, vertex.scattering.reverse_pdf(next->wi));
+  if (photon.flux.is_black() || !std::isfinite(photon.density)) return std::nullopt;
+  ++photon.bounces;
+  photon.ends = true;
+  return Ray{offset_origin(vertex.surface, next->wi), next->wi};
+}
+
+CausticPhotons::Gleam CausticPhotons::gleam(const SpecularChain& chain, const Vertex& vertex, const Vec3& wi) const {
+  if (!(chain.pdf_bsdf > 0) || chain.bounces > 0 || !vertex.scattering.gleams()) return {};
+  const Vec3& ng = vertex.surface.geometric_normal;
+  return {chain, vertex.surface.position,
+          vertex.scattering.reverse_pdf(wi) * std::abs(dot(wi, ng) / dot(vertex.wo, ng))};
+}
+
+float CausticPhotons::weight_of_gleam(const Gleam& gleam, const Receiver& at, std::uint32_t light, const Vec3& wi,
+                                      float pdf, float pdf_bsdf) const {
+  if (gleam.spread == 0) return 1;
+  const float density = aim_.density_from_infinity(light, gleam.position, wi, pdf) * gleam.spread;
+  return found_weight(gleam.seen, density / gleam_rival(at, light, pdf, pdf_bsdf));
+}
+
 /// Follows a photon along delta lobes, leaving a record wherever something else could scatter it.
 std::uint64_t CausticPhotons::trace_one(std::uint32_t generation, std::uint32_t index,
                                         std::vector<Photon>& arrived) const {
@@ -142,13 +195,15 @@ std::uint64_t CausticPhotons::trace_one(std::uint32_t generation, std::uint32_t 
   Photon photon;
   photon.flux = emitted->radiance * (1 / emitted->density);
   photon.density = emitted->density;
+  int chain = 0;  // delta lobes since the light or a surface that scattered it otherwise
   std::uint64_t rays = 0;
-  for (std::uint64_t surfaces = 0; surfaces < 2 * kMostBounces; ++surfaces) {
+  for (std::uint64_t surfaces = 0; surfaces < kMostSurfaces; ++surfaces) {
     const RayHit hit = scene_.geometry.intersect(ray);
     ++rays;
     if (!hit.found()) break;
     const Vertex vertex = find_vertex(scene_, ray, hit);
-    if (photon.bounces > 0 && !vertex.scattering.is_delta()) {
+    const Vec2 bounce = point(sampler, kBounce + surfaces, index);
+    if (chain > 0 && !vertex.scattering.is_delta()) {
       photon.position = vertex.surface.position;
       photon.normal = vertex.surface.geometric_normal;
       photon.wi = vertex.wo;
@@ -158,12 +213,29 @@ std::uint64_t CausticPhotons::trace_one(std::uint32_t generation, std::uint32_t 
         arrived.back().flux *= 1 / kept;
         arrived.back().density *= kept;
       }
+      if (photon.ends) break;
+      if (scatters(vertex)) {
+        const std::optional<Ray> on = scatter(vertex, bounce, point(sampler, kScatter + surfaces, index), photon);
+        if (!on) break;
+        ray = *on;
+        chain = 0;
+        continue;
+      }
     }
-    const Vec2 choice = point(sampler, kBounce + surfaces, index);
-    const std::optional<BsdfSample> next = vertex.scattering.sample(Vec2(0.5f), choice.x, TransportMode::importance);
+    if (photon.ends) break;
+    if (photon.bounces == 0 && is_infinite(scene_.lights[emitted->light]) && vertex.scattering.gleams()) {
+      const std::optional<Ray> on =
+          reflect(vertex, emitted->light, bounce, point(sampler, kScatter + surfaces, index).x, photon);
+      if (!on) break;
+      ray = *on;
+      chain = 1;
+      continue;
+    }
+    const std::optional<BsdfSample> next = vertex.scattering.sample(Vec2(0.5f), bounce.x, TransportMode::importance);
     if (!next || !is_delta(next->lobe)) break;
     if (next->lobe != Lobe::straight) {
-      if (++photon.bounces > kMostBounces) break;
+      if (++chain > kMostBounces) break;
+      ++photon.bounces;
       const float etendue = etendue_ratio(vertex, next->wi);
       photon.flux *= next->weight * etendue;
       photon.density *= square(next->eta) / etendue;
@@ -174,8 +246,8 @@ std::uint64_t CausticPhotons::trace_one(std::uint32_t generation, std::uint32_t 
   return rays;
 }
 
-Spectrum CausticPhotons::radiance(const Vertex& vertex, int most_bounces, std::uint32_t sample) const {
-  Spectrum sum;
+CausticPhotons::Light CausticPhotons::radiance(const Vertex& vertex, int most_bounces, std::uint32_t sample) const {
+  Light sum;
   const Vec3& normal = vertex.surface.geometric_normal;
   const Point3& position = vertex.surface.position;
   const int level = spread_->level(position);
@@ -185,14 +257,21 @@ Spectrum CausticPhotons::radiance(const Vertex& vertex, int most_bounces, std::u
     const float cosine = std::abs(dot(photon.wi, normal));
     if (eval.f_cos.is_black() || cosine == 0) return;
     const float weight = mis_weight(photons_per_etendue_[level] * photon.density * cosine, eval.pdf);
-    sum += eval.f_cos * photon.flux * (weight / cosine);
+    (photon.ends ? sum.ending : sum.passing) += eval.f_cos * photon.flux * (weight / cosine);
   });
-  return sum * (1 / photons_per_etendue_[level]);
+  const float share = 1 / photons_per_etendue_[level];
+  return {sum.passing * share, sum.ending * share};
 }
 
 float CausticPhotons::found_weight(const SpecularChain& chain, float density) const {
   const float photons = photons_per_etendue_[spread_->level(chain.position)] * spread_->kept(chain.position);
   return mis_weight(chain.pdf_bsdf, photons * density * chain.etendue * chain.cos_surface);
+}
+
+float CausticPhotons::weight_of_lit(const SpecularChain& chain, const Vertex& vertex) const {
+  if (!chain.is_shared() || !scatters(vertex)) return 1;
+  const float pdf = aim_.direction_pdf(vertex.surface.position, facing_normal(vertex), vertex.wo);
+  return found_weight(chain, scattered_density(vertex, vertex.wo, pdf));
 }
 
 float CausticPhotons::weight_of_found(const SpecularChain& chain, std::uint32_t light, const LightHit& hit,

@@ -55,7 +55,8 @@ std::vector<AimTarget> specular_targets(const RenderScene::Data& scene) {
   std::vector<AimTarget> targets;
   bool in_groups = false;
   for (std::uint32_t shape = 0; shape < scene.shapes.size(); ++shape) {
-    if (!scene.materials[scene.shapes[shape].material].specular) continue;
+    const Material& material = scene.materials[scene.shapes[shape].material];
+    if (!material.specular && !(material.gleams && !scene.infinite_lights.empty())) continue;
     in_groups |= scene.shapes[shape].in_group;
     if (scene.geometry.kind(shape) == Geometry::Kind::sphere)
       targets.push_back({scene.geometry.sphere(shape).center, scene.geometry.sphere(shape).radius});

@@ -47,6 +47,7 @@ struct RenderSettings {
   IntegratorKind integrator = IntegratorKind::automatic;
   Use photons = Use::automatic;   ///< for light that comes by way of mirrors and smooth glass
   Use reuse = Use::automatic;     ///< neighbouring pixels share their paths
+  Use cache = Use::automatic;     ///< light between diffuse surfaces is looked up
   Use airlight = Use::automatic;  ///< point-like lights are sampled along whole segments in homogeneous media
   SamplerKind sampler = SamplerKind::sobol;
   scene::ReconstructionFilter filter;  ///< how samples near a pixel count towards it

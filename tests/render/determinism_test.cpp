@@ -123,6 +123,23 @@ TEST_P(Determinism, OtherSeedsGiveOtherPictures) {
   }
 }
 
+/// Photons and the cache are made anew on the way; passes may end in the middle of what one set serves.
+TEST_P(Determinism, ThroughSeveralGenerations) {
+  RenderSettings large = settings;
+  large.width = large.height = 128;
+  large.crop = CropWindow{40, 50, 24, 20};
+  large.samples_per_pixel = 48;
+  large.photons = large.reuse = large.cache = Use::on;
+  Picture expected;
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    const Picture picture = in_one_pass(large);
+    if (expected.beauty.empty()) expected = picture;
+    EXPECT_TRUE(identical(picture, expected)) << threads << " threads";
+    EXPECT_TRUE(identical(in_passes(large, {1, 19, 48}), expected));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     , Determinism,
     ::testing::Values(Variant{"Sobol", SamplerKind::sobol, {}}, Variant{"Independent", SamplerKind::independent, {}},

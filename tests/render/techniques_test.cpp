@@ -1,14 +1,10 @@
 // Photons and shared paths change how noisy a picture is, not what it shows: their means are those of plain path
 // tracing. Pixels of such pictures know of each other, so seeds are what is compared.
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include "base/tests/temporary_folder.h"
-#include "picture_statistics.h"
-#include "scene_kit.h"
+#include "technique_comparison.h"
 
 namespace etendue {
 namespace {
@@ -16,11 +12,6 @@ namespace {
 constexpr int kSide = 32;
 /// Photons reach as far as pixels are wide: of a picture of this width a small part is looked at.
 constexpr int kWholeSide = 512;
-
-struct Place {
-  SceneKit kit;
-  Camera camera;
-};
 
 Camera looking_down(float height, float half) {
   return pinhole({0.02f, height, 0.03f}, {0, 0, 0}, half);
@@ -30,13 +21,6 @@ Camera looking_down(float height, float half) {
 void floor_and_lamp(SceneKit& kit, float lamp, float radiance) {
   kit.quad({-3, 0, 3}, {6, 0, 0}, {0, 0, -6}, kit.diffuse({0.7f, 0.5f, 0.3f}));
   kit.quad({-lamp, 3, -lamp}, {2 * lamp, 0, 0}, {0, 0, 2 * lamp}, kit.emitter(Spectrum(radiance)));
-}
-
-MaterialId glass(SceneKit& kit) {
-  return kit.material(scene::GlassMaterial{Spectrum(1), {0.9f, 1, 0.8f}, 1.5f});
-}
-MaterialId mirror(SceneKit& kit) {
-  return kit.material(scene::MirrorMaterial{{0.9f, 0.8f, 0.7f}});
 }
 
 Place glass_ball() {
@@ -83,15 +67,20 @@ Place faceted_lens() {
   return place;
 }
 
-/// Glass under a map with a bright spot.
-Place glass_under_the_sky(const TemporaryFolder& folder) {
+/// A floor under a map with a bright spot.
+Place sky_and_floor(const TemporaryFolder& folder) {
   Place place;
   Image map(16, 9, Spectrum(0.5f));
   map.at(5, 2) = Spectrum(60, 50, 40);
   place.kit.light(environment_map(folder / "sky.exr", map));
   place.kit.quad({-3, 0, 3}, {6, 0, 0}, {0, 0, -6}, place.kit.diffuse({0.7f, 0.5f, 0.3f}));
-  place.kit.sphere({0, 0.8f, 0}, 0.5f, glass(place.kit));
   place.camera = looking_down(0.25f, 9);
+  return place;
+}
+
+Place glass_under_the_sky(const TemporaryFolder& folder) {
+  Place place = sky_and_floor(folder);
+  place.kit.sphere({0, 0.8f, 0}, 0.5f, glass(place.kit));
   return place;
 }
 
@@ -117,69 +106,34 @@ Place corridor() {
   return place;
 }
 
-/// Means over the quarters of a picture and over all of it (the fifth), of several seeds.
-struct SeedMeans {
-  RunningMean part[5][3];
-};
-
-SeedMeans means_of(const Place& place, const RenderScene& scene, RenderSettings settings, int seeds) {
-  SeedMeans means;
-  for (int seed = 1; seed <= seeds; ++seed) {
-    settings.seed = static_cast<std::uint64_t>(seed);
-    const Image image = render(scene, place.camera, settings).beauty;
-    Spectrum sums[5];
-    for (int q = 0; q < 4; ++q) {
-      Spectrum sum;
-      for (int y = 0; y < kSide / 2; ++y)
-        for (int x = 0; x < kSide / 2; ++x) sum += image.at(x + q % 2 * (kSide / 2), y + q / 2 * (kSide / 2));
-      sums[q] = sum * (4.0f / (kSide * kSide));
-      sums[4] += sums[q] * 0.25f;
-    }
-    for (int q = 0; q < 5; ++q)
-      for (int c = 0; c < 3; ++c) means.part[q][c].add(sums[q][c]);
-  }
-  return means;
+/// Under the same sky, metal of some roughness.
+Place metal_under_the_sky(const TemporaryFolder& folder, float alpha) {
+  Place place = sky_and_floor(folder);
+  scene::ConductorMaterial steel;
+  steel.eta = Spectrum(2.9f, 2.8f, 2.5f);
+  steel.k = Spectrum(3.1f, 2.9f, 2.7f);
+  steel.alpha_u = steel.alpha_v = alpha;
+  place.kit.sphere({0, 0.9f, 0}, 0.5f, place.kit.material(steel));
+  return place;
 }
-
-struct Technique {
-  std::string name;
-  Use photons, reuse;
-  SamplerKind sampler = SamplerKind::sobol;
-};
 
 /// Precise enough to see an error of 1 % of the whole, and of a few per cent of a quarter.
 void expect_same_means(const Place& place, const Technique& technique, int whole_side, int depth = kUnlimitedDepth) {
-  SCOPED_TRACE(technique.name);
-  const RenderScene scene = place.kit.compile();
-  RenderSettings settings;
-  settings.width = settings.height = whole_side;
-  settings.crop = CropWindow{(whole_side - kSide) / 2, (whole_side - kSide) / 2, kSide, kSide};
-  settings.max_depth = depth;
-  settings.integrator = IntegratorKind::path;
-  settings.sampler = technique.sampler;
-  settings.samples_per_pixel = 512;
-  const SeedMeans plain = means_of(place, scene, settings, 16);
-  settings.photons = technique.photons;
-  settings.reuse = technique.reuse;
-  settings.samples_per_pixel = 256;
-  const SeedMeans other = means_of(place, scene, settings, 16);
+  Look look;
+  look.whole_side = whole_side;
+  look.side = kSide;
+  look.depth = depth;
+  look.plain_samples = 512;
+  look.samples = 256;
+  look.seeds = 16;
   // What photons blur across the border of the part that is looked at.
-  const double blur = technique.photons == Use::on ? 0.005 : 0;
-  TestFamily tests;
-  for (int q = 0; q < 5; ++q)
-    for (int c = 0; c < 3; ++c) {
-      const RunningMean &a = plain.part[q][c], &b = other.part[q][c];
-      const double error = std::hypot(a.standard_error(), b.standard_error());
-      EXPECT_LT(error, (q == 4 ? 0.004 : 0.012) * a.mean());
-      tests.add(fmt::format("part {}, channel {}: {} and {} ± {}", q, c, a.mean(), b.mean(), error),
-                normal_p(std::max(0.0, std::abs(a.mean() - b.mean()) - blur * a.mean()) / error));
-    }
-  EXPECT_TRUE(tests.holds());
+  look.blur = technique.photons == Use::on ? 0.005 : 0;
+  expect_same_means(place, std::span(&technique, 1), look);
 }
 
-const Technique kPhotons{"photons", Use::on, Use::off};
-const Technique kReuse{"reuse", Use::off, Use::on};
-const Technique kBoth{"both", Use::on, Use::on, SamplerKind::independent};
+const Technique kPhotons{"photons", IntegratorKind::path, Use::on};
+const Technique kReuse{"reuse", IntegratorKind::path, Use::off, Use::on};
+const Technique kBoth{"both", IntegratorKind::path, Use::on, Use::on, Use::off, SamplerKind::independent};
 
 TEST(Techniques, PhotonsThroughAGlassBall) {
   expect_same_means(glass_ball(), kPhotons, kWholeSide);
@@ -196,6 +150,11 @@ TEST(Techniques, PhotonsThroughInterpolatedNormals) {
 TEST(Techniques, PhotonsFromTheSky) {
   const TemporaryFolder folder;
   expect_same_means(glass_under_the_sky(folder), kPhotons, kWholeSide);
+}
+TEST(Techniques, PhotonsOffRoughMetal) {
+  const TemporaryFolder folder;
+  expect_same_means(metal_under_the_sky(folder, 0.1f), kPhotons, kWholeSide);
+  expect_same_means(metal_under_the_sky(folder, 0.35f), kPhotons, kWholeSide, 3);
 }
 TEST(Techniques, SharedPathsRoundACorner) {
   expect_same_means(corridor(), kReuse, kSide);

@@ -13,9 +13,11 @@ constexpr float kRadius = 0.01f;
 std::vector<Photon> on_a_floor(unsigned seed) {
   std::mt19937 rng(seed);
   std::uniform_real_distribution<float> u(0, 1);
-  std::vector<Photon> photons(60'000);
-  for (std::size_t i = 0; i < photons.size(); ++i)
-    photons[i].position = i < 59'000 ? Point3(u(rng), 0, u(rng)) : Point3(1 + 3 * u(rng), 0, 4 * u(rng));
+  std::vector<Photon> photons(160'000);
+  for (std::size_t i = 0; i < photons.size(); ++i) {
+    photons[i].normal = {0, 1, 0};
+    photons[i].position = i < 159'000 ? Point3(u(rng), 0, u(rng)) : Point3(1 + 3 * u(rng), 0, 4 * u(rng));
+  }
   return photons;
 }
 
@@ -25,6 +27,13 @@ TEST(PhotonSpread, RareOnesReachFarther) {
   EXPECT_EQ(spread.level({3, 0, 3}), PhotonSpread::kLevels - 1);
   EXPECT_EQ(spread.level({0, 50, 0}), PhotonSpread::kLevels - 1);
   EXPECT_EQ(spread.kept({3, 0, 3}), 1.0f);
+}
+
+TEST(PhotonSpread, DisksAreNoWiderThanTheSurfaceIsFlat) {
+  std::vector<Photon> pilot = on_a_floor(1);
+  for (std::size_t i = 0; i < pilot.size(); ++i) pilot[i].normal = i % 2 == 0 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+  const PhotonSpread spread(pilot, kRadius);
+  EXPECT_LT(spread.level({3, 0, 3}), PhotonSpread::kLevels - 1);
 }
 
 TEST(PhotonSpread, ManyAreThinnedOut) {
@@ -40,7 +49,7 @@ TEST(PhotonMaps, LookupsOfAPlacesLevelFindAllWithinItsRadius) {
   const PhotonSpread spread(on_a_floor(1), kRadius);
   const PhotonMaps maps(photons, spread, kRadius);
   std::size_t found = 0;
-  for (std::size_t i = 58'900; i < 59'400; ++i) {
+  for (std::size_t i = 158'900; i < 159'400; ++i) {
     const Point3 asked = photons[i].position + Vec3(0.003f, 0, 0.003f);
     const int level = spread.level(asked);
     EXPECT_FLOAT_EQ(maps.radius(level), kRadius * static_cast<float>(1 << level));

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/geometry.h"
+#include "math/spectrum.h"
+#include "math/vec.h"
+
+namespace etendue {
+
+/// A diffuse surface and one estimate of the light that it scatters, but for what light sampling and photons find
+/// there.
+struct RadianceRecord {
+  Point3 position{0, 0, 0};
+  Vec3 normal{0, 0, 1};   ///< unit, shading normal on the lit side
+  int bounces_left = 0;   ///< that the light counted may have taken; kUnlimitedDepth: any number
+  int light_samples = 1;  ///< that lights were asked for here: what directions found is weighed against so many
+  /// Scattered radiance / reflectance: of all light, but what came to this surface by way of delta lobes alone from a
+  /// lamp or a surface where photons are, which is the second.
+  Spectrum radiance{}, caustics{};
+};
+
+/// Light between diffuse surfaces, looked up where a path has been scattered widely instead of following it on (Ward et
+/// al. 1988 for the idea, Binder et al. 2018, "Path Space Filtering", for the hashed cells): means of records over
+/// cells of position and normal. Coarser cells serve where records are few; none serves if something stands between its
+/// records.
+class RadianceCache {
+ public:
+  RadianceCache() = default;
+  /// Cells of the finest level have sides of `side` metres, those of each other twice as wide ones; `offset`, in [0,
+  /// 1)³, moves their grid by so much of the widest.
+  RadianceCache(std::span<const RadianceRecord> records, const Geometry& geometry, float side, const Vec3& offset);
+
+  struct Light {
+    Spectrum radiance, caustics;
+  };
+  /// Mean of the records like this one (whose radiance does not matter), if there are enough of them.
+  const Light* find(const RadianceRecord& like) const;
+  float side() const { return side_; }
+  std::uint64_t rays() const { return rays_; }  ///< traced to build it
+
+ private:
+  static constexpr int kLevels = 3;
+  struct Cell {
+    Light light;
+    bool open = false;      ///< nothing stands within it; else wider cells are no better
+    std::uint32_t key = 0;  ///< 0: empty
+  };
+  struct Level {
+    std::vector<Cell> cells;  ///< open addressing; a power of two
+    const Cell* find(std::uint64_t key) const;
+    void insert(std::uint64_t key, const Cell& cell);
+  };
+  std::uint64_t key(const RadianceRecord& record, int level) const;
+  std::uint64_t fill(int level, std::span<const RadianceRecord> records, const Geometry& geometry);
+
+  float side_ = 0;
+  Vec3 offset_{0, 0, 0};
+  std::array<Level, kLevels> levels_;
+  std::uint64_t rays_ = 0;
+};
+
+}  // namespace etendue

@@ -1,0 +1,94 @@
+// Light between diffuse surfaces is the same, looked up or followed.
+
+#include <gtest/gtest.h>
+
+#include "technique_comparison.h"
+
+namespace etendue {
+namespace {
+
+const Spectrum kPaint{0.8f, 0.6f, 0.4f};
+
+/// All light but the lamp's own has bounced off the ceiling first.
+Place indirect_room() {
+  Place place;
+  room(place.kit, {-1, 0, -1}, {1, 2, 1}, place.kit.diffuse(kPaint));
+  place.kit.quad({-0.4f, 1.7f, 0.4f}, {0.8f, 0, 0}, {0, 0, -0.8f}, place.kit.emitter(Spectrum(10)));
+  place.camera = pinhole({0.05f, 0.9f, 0.95f}, {0.1f, 0.5f, -0.6f}, 0.9f);
+  return place;
+}
+
+/// The half that is seen gets its light over a wall without thickness.
+Place dark_half() {
+  Place place;
+  SceneKit& kit = place.kit;
+  const MaterialId paint = kit.diffuse(kPaint);
+  room(kit, {-1, 0, -1}, {1, 2, 1}, paint);
+  kit.quad({0.1f, 0, -1}, {0, 0, 2}, {0, 1.2f, 0}, paint);
+  kit.quad({0.3f, 0.9f, 0.4f}, {0, 0, -0.8f}, {0.4f, 0, 0}, kit.emitter(Spectrum(20)));
+  place.camera = pinhole({-0.9f, 0.8f, 0.8f}, {0.1f, 0.4f, -0.5f}, 0.8f);
+  return place;
+}
+
+/// Wide lamps, and corners that are near: where lights are sampled and where they are met by chance count alike.
+Place bright_corners() {
+  Place place;
+  SceneKit& kit = place.kit;
+  const MaterialId paint = kit.diffuse(kPaint);
+  room(kit, {-1, 0, -1}, {1, 2, 1}, paint);
+  kit.quad({-0.95f, 1.9f, -0.95f}, {1.9f, 0, 0}, {0, 0, 1.9f}, kit.emitter(Spectrum(1)));
+  for (int i = 0; i < 8; ++i)
+    kit.quad({-0.9f + 0.22f * static_cast<float>(i), 0, -0.8f}, {0.02f, 0.25f, 0}, {0, 0, 1.6f}, paint);
+  place.camera = pinhole({0.05f, 0.9f, 0.95f}, {0.1f, 0.1f, -0.3f}, 0.9f);
+  return place;
+}
+
+/// The room is seen in glass only.
+Place room_in_glass() {
+  Place place;
+  SceneKit& kit = place.kit;
+  room(kit, {-1, 0, -1}, {1, 2, 1}, kit.diffuse(kPaint));
+  kit.quad({-0.9f, 1.9f, -0.9f}, {1.8f, 0, 0}, {0, 0, 1.8f}, kit.emitter(Spectrum(1)));
+  kit.quad({-1, 0, 0.1f}, {2, 0, 0}, {0, 1.2f, -0.9f}, glass(kit));
+  place.camera = pinhole({0.05f, 1.2f, 0.6f}, {0, 0.6f, -0.2f}, 0.5f);
+  return place;
+}
+
+const Technique kTechniques[] = {
+    {"cache", IntegratorKind::path, Use::off, Use::off, Use::on},
+    {"all", IntegratorKind::automatic, Use::off, Use::on, Use::on, SamplerKind::independent},
+};
+
+/// The first two generations, whose cells are widest.
+void expect_same(const Place& place, int depth = kUnlimitedDepth, int side = 64, int whole_side = 128) {
+  Look look;
+  look.whole_side = whole_side;
+  look.side = side;
+  look.depth = depth;
+  look.plain_samples = 64;
+  look.samples = 32;
+  expect_same_means(place, kTechniques, look);
+}
+
+TEST(IndirectLight, OffTheCeiling) {
+  expect_same(indirect_room());
+}
+TEST(IndirectLight, OfThreeBounces) {
+  expect_same(indirect_room(), 3);
+}
+TEST(IndirectLight, OfFourBounces) {
+  expect_same(indirect_room(), 4);
+}
+TEST(IndirectLight, DoesNotLeak) {
+  // In a picture of 128 pixels cells are so wide that their blur shows: 0.6 % of the whole.
+  expect_same(dark_half(), kUnlimitedDepth, 128, 256);
+}
+TEST(IndirectLight, InCorners) {
+  expect_same(bright_corners());
+}
+TEST(IndirectLight, InGlass) {
+  expect_same(room_in_glass(), kUnlimitedDepth, 128);
+}
+
+}  // namespace
+}  // namespace etendue
