@@ -52,8 +52,8 @@ class LightAim {
 
   /// Random numbers are uniform: `which` light and part, `position`, `direction`, and `target`.
   std::optional<EmittedRay> sample(Vec2 which, Vec2 position, Vec2 direction, float target) const;
-  /// A direction from a point of a surface towards the targets, within the hemisphere around its normal. Nothing if none
-  /// of them can be seen from there.
+  /// A direction from a point of a surface towards the targets, within the hemisphere around its normal. Nothing if
+  /// none of them can be seen from there.
   struct Direction {
     Vec3 w;         ///< unit
     float pdf = 0;  ///< per solid angle

@@ -47,9 +47,18 @@ bool shares_paths(const RenderSettings& settings) {
   return uses(settings, settings.reuse);
 }
 
+/// Samples of a pixel that what is made for a generation is worth: a picture of fewer gets less, but not much less.
+/// What few photons do wrong they do to neighbours alike, and denoisers take it for true.
+std::uint32_t worthwhile_samples(const RenderSettings& settings) {
+  const std::uint32_t size = usual_generation_size(settings);
+  if (settings.for_denoising) return size;
+  return std::clamp(static_cast<std::uint32_t>(settings.samples_per_pixel), size / 4, size);
+}
+
 std::uint64_t pixels_per_record(const RenderSettings& settings) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
-  return std::max(kPixelsPerRecord, (pixels + kMostRecorded - 1) / kMostRecorded);
+  const std::uint64_t usual = kPixelsPerRecord * usual_generation_size(settings) / worthwhile_samples(settings);
+  return std::max(usual, (pixels + kMostRecorded - 1) / kMostRecorded);
 }
 
 /// What neighbouring cells know is not independent either; and light needs two bounces between surfaces to be worth
@@ -75,7 +84,7 @@ PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& cam
                         std::sqrt(static_cast<float>(pixels_per_record(settings)) / kPixelsPerRecord);
   // Photons do not count what they pass straight through.
   if (!uses(settings, settings.photons) || (scene.may_pass && settings.null_counts_as_bounce)) return;
-  common_.photons.emplace(scene, camera, common_.settings, generation_size_);
+  common_.photons.emplace(scene, camera, common_.settings, worthwhile_samples(settings));
   if (!common_.photons->possible()) common_.photons.reset();
 }
 
