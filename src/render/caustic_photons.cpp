@@ -42,12 +42,6 @@ enum : std::uint64_t {
   kScatter = kKeep + kMostSurfaces
 };
 
-Vec2 point(const PixelSampler& sampler, std::uint64_t dimension, std::uint32_t index) {
-  Vec2 u;
-  sampler.points(dimension, index, 1, &u.x, &u.y);
-  return u;
-}
-
 }  // namespace
 
 float etendue_ratio(const Vertex& vertex, const Vec3& wi) {
@@ -188,8 +182,8 @@ std::uint64_t CausticPhotons::trace_one(std::uint32_t generation, std::uint32_t 
                                         std::vector<Photon>& arrived) const {
   const PixelSampler sampler(sampler_, seed_, generation, kPhotonRow);
   const std::optional<EmittedRay> emitted =
-      aim_.sample(point(sampler, kWhich, index), point(sampler, kPosition, index), point(sampler, kDirection, index),
-                  point(sampler, kTarget, index).x);
+      aim_.sample(sampler.point(kWhich, index), sampler.point(kPosition, index), sampler.point(kDirection, index),
+                  sampler.point(kTarget, index).x);
   if (!emitted) return 0;
   Ray ray = emitted->ray;
   Photon photon;
@@ -202,20 +196,20 @@ std::uint64_t CausticPhotons::trace_one(std::uint32_t generation, std::uint32_t 
     ++rays;
     if (!hit.found()) break;
     const Vertex vertex = find_vertex(scene_, ray, hit);
-    const Vec2 bounce = point(sampler, kBounce + surfaces, index);
+    const Vec2 bounce = sampler.point(kBounce + surfaces, index);
     if (chain > 0 && !vertex.scattering.is_delta()) {
       photon.position = vertex.surface.position;
       photon.normal = vertex.surface.geometric_normal;
       photon.wi = vertex.wo;
       const float kept = generation == kPilot ? 1.0f : spread_->kept(photon.position);
-      if (point(sampler, kKeep + surfaces, index).x < kept) {
+      if (sampler.point(kKeep + surfaces, index).x < kept) {
         arrived.push_back(photon);
         arrived.back().flux *= 1 / kept;
         arrived.back().density *= kept;
       }
       if (photon.ends) break;
       if (scatters(vertex)) {
-        const std::optional<Ray> on = scatter(vertex, bounce, point(sampler, kScatter + surfaces, index), photon);
+        const std::optional<Ray> on = scatter(vertex, bounce, sampler.point(kScatter + surfaces, index), photon);
         if (!on) break;
         ray = *on;
         chain = 0;
@@ -225,7 +219,7 @@ std::uint64_t CausticPhotons::trace_one(std::uint32_t generation, std::uint32_t 
     if (photon.ends) break;
     if (photon.bounces == 0 && is_infinite(scene_.lights[emitted->light]) && vertex.scattering.gleams()) {
       const std::optional<Ray> on =
-          reflect(vertex, emitted->light, bounce, point(sampler, kScatter + surfaces, index).x, photon);
+          reflect(vertex, emitted->light, bounce, sampler.point(kScatter + surfaces, index).x, photon);
       if (!on) break;
       ray = *on;
       chain = 1;

@@ -8,8 +8,8 @@ namespace etendue::dimension {
 inline constexpr std::uint64_t kFilm = 0, kLens = 1;
 inline constexpr std::uint64_t kBounceStride = std::uint64_t{1} << 33;  // room for two of each of 2³² lights
 inline constexpr std::uint64_t kDirection = 2, kLobeAndRoulette = 3, kLightChoice = 4, kFreeFlight = 5, kLights = 6;
-inline constexpr std::uint64_t kMoreDirections = kBounceStride - 3;  // that look for lights only
-inline constexpr std::uint64_t kMoreLobes = kBounceStride - 4;
+// Without media: directions that look for lights only.
+inline constexpr std::uint64_t kMoreDirections = kBounceStride - 3, kMoreLobes = kBounceStride - 4;
 inline constexpr std::uint64_t kTracking = kBounceStride - 1;   // seeds the loops through heterogeneous media
 inline constexpr std::uint64_t kAirlight = kBounceStride - 2;   // which light a segment gathers, and where
 inline constexpr std::uint64_t kBeam = kBounceStride - 4;       // a ray out of a lamp

@@ -134,7 +134,7 @@ void PathBatch::share() {
   }
 }
 
-/// Light that comes to the paths' vertices by way of mirrors and smooth glass alone.
+/// Light that photons bring to the paths' vertices.
 void PathBatch::gather_photons() {
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];

@@ -97,6 +97,7 @@ class PathBatch {
   void scatter(int bounce);
 
   float bsdf_weight(const Path& path, std::uint32_t light, std::uint32_t part, float pdf) const;
+  float bsdf_weight(const Path& path, const Vertex& met) const;
   float gleam_weight(const Path& path, std::uint32_t light, float pdf) const;
   int bsdf_samples(int i) const;
   void look_for_lights(int bounce);

@@ -61,6 +61,13 @@ float PathBatch::bsdf_weight(const Path& path, std::uint32_t light, std::uint32_
   return mis_weight(path.bsdf_samples * path.pdf_bsdf, pdf * density) / path.bsdf_samples;
 }
 
+/// The same of the light that it met at a surface.
+float PathBatch::bsdf_weight(const Path& path, const Vertex& met) const {
+  const Light& light = scene_.lights[met.light];
+  return bsdf_weight(path, met.light, part_at(light, met.light_hit),
+                     light_pdf(light, path.scattered_at.position, met.light_hit));
+}
+
 /// Weight of what the path sees at infinity, for photons may have found it too.
 float PathBatch::gleam_weight(const Path& path, std::uint32_t light, float pdf) const {
   if (path.gleam.spread == 0) return 1;
@@ -73,9 +80,7 @@ void PathBatch::see_emission(int i) {
   if (!counts_emission(path)) return;
   float weight = 1;
   if (path.pdf_bsdf > 0) {
-    const Light& light = scene_.lights[vertex.light];
-    weight = bsdf_weight(path, vertex.light, part_at(light, vertex.light_hit),
-                         light_pdf(light, path.scattered_at.position, vertex.light_hit));
+    weight = bsdf_weight(path, vertex);
   } else if (common_.photons && path.chain.is_shared()) {
     weight = path.caustics * common_.photons->weight_of_found(path.chain, vertex.light, vertex.light_hit, vertex.wo);
   }
@@ -274,11 +279,7 @@ void PathBatch::flush_looks(std::span<const Look> looks) {
       }
     } else if (scene_.shapes[hits[j].shape].light != kNone) {
       const Vertex vertex = find_vertex(scene_, rays[j], hits[j]);
-      if (vertex.light == kNone) continue;
-      const Light& light = scene_.lights[vertex.light];
-      radiance += path.throughput * vertex.emission *
-                  bsdf_weight(path, vertex.light, part_at(light, vertex.light_hit),
-                              light_pdf(light, path.scattered_at.position, vertex.light_hit));
+      if (vertex.light != kNone) radiance += path.throughput * vertex.emission * bsdf_weight(path, vertex);
     }
   }
 }

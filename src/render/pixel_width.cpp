@@ -12,12 +12,6 @@ namespace {
 /// In place of a pixel's row, which no picture reaches: random numbers of its own.
 constexpr std::uint32_t kRow = 0xffff'fff1u;
 
-Vec2 point(const PixelSampler& sampler, std::uint64_t dimension, std::uint64_t index) {
-  Vec2 u;
-  sampler.points(dimension, index, 1, &u.x, &u.y);
-  return u;
-}
-
 }  // namespace
 
 float usual_pixel_width(const RenderScene::Data& scene, const Camera& camera, const RenderSettings& settings) {
@@ -40,7 +34,7 @@ float usual_pixel_width(const RenderScene::Data& scene, const Camera& camera, co
         widths.push_back(camera.projection == Projection::perspective ? per_metre * way : per_metre);
         break;
       }
-      const auto sample = vertex.scattering.sample(point(sampler, bounce, 0), point(sampler, bounce, 1).x);
+      const auto sample = vertex.scattering.sample(sampler.point(bounce, 0), sampler.point(bounce, 1).x);
       if (!sample) break;
       ray = {offset_origin(vertex.surface, sample->wi), sample->wi};
     }

@@ -119,9 +119,7 @@ class VolumePathIntegrator::Walk {
   }
   Vec2 random_point(std::uint64_t slot) const { return random_point(slot, index_); }
   Vec2 random_point(std::uint64_t slot, std::uint64_t index) const {
-    Vec2 u;
-    sampler_.points(dimension::at(segment_, slot), index, 1, &u.x, &u.y);
-    return u;
+    return sampler_.point(dimension::at(segment_, slot), index);
   }
   bool gathers_airlight() const {
     return !lamps_.empty() && depth_ < kAirlightBounces && scene_.media[medium_].is_homogeneous();

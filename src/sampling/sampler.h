@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "math/vec.h"
+
 namespace etendue {
 
 enum class SamplerKind {
@@ -20,6 +22,12 @@ class PixelSampler {
   /// For samples first, first+1, … writes `count` points of [0,1)² to u[], v[]: coordinates in [0, 1 − 2⁻²⁴]. Sequences
   /// are well spread for 2³² samples; the next 2³² begin another.
   void points(std::uint64_t dimension, std::uint64_t first, int count, float* u, float* v) const;
+  /// That of one sample.
+  Vec2 point(std::uint64_t dimension, std::uint64_t index) const {
+    Vec2 u;
+    points(dimension, index, 1, &u.x, &u.y);
+    return u;
+  }
 
  private:
   SamplerKind kind_;

@@ -29,12 +29,7 @@ Place lamp_in_glass() {
 Place metal(float alpha) {
   Place place;
   SceneKit& kit = place.kit;
-  scene::ConductorMaterial steel;
-  steel.eta = Spectrum(2.9f, 2.8f, 2.5f);
-  steel.k = Spectrum(3.1f, 2.9f, 2.7f);
-  steel.alpha_u = alpha;
-  steel.alpha_v = alpha;
-  kit.quad({-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, kit.material(steel));
+  kit.quad({-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, steel(kit, alpha));
   kit.quad({-2, 0, -1.5f}, {4, 0, 0}, {0, 2, 0}, kit.diffuse(kPaint));
   kit.sphere({-0.7f, 0.8f, -0.8f}, 0.03f, kit.emitter(Spectrum(300)));
   kit.sphere({0, 0.8f, -0.8f}, 0.12f, kit.emitter(Spectrum(20)));

@@ -71,6 +71,14 @@ MaterialId mirror(SceneKit& kit) {
   return kit.material(scene::MirrorMaterial{{0.9f, 0.8f, 0.7f}});
 }
 
+MaterialId steel(SceneKit& kit, float alpha) {
+  scene::ConductorMaterial steel;
+  steel.eta = Spectrum(2.9f, 2.8f, 2.5f);
+  steel.k = Spectrum(3.1f, 2.9f, 2.7f);
+  steel.alpha_u = steel.alpha_v = alpha;
+  return kit.material(steel);
+}
+
 void room(SceneKit& kit, const Point3& low, const Point3& high, MaterialId material) {
   const Vec3 d = high - low, x(d.x, 0, 0), y(0, d.y, 0), z(0, 0, d.z);
   kit.quad(low, z, x, material);

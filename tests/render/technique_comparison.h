@@ -14,6 +14,7 @@ struct Place {
 
 MaterialId glass(SceneKit& kit);
 MaterialId mirror(SceneKit& kit);
+MaterialId steel(SceneKit& kit, float alpha);
 /// A box with its front inside.
 void room(SceneKit& kit, const Point3& low, const Point3& high, MaterialId material);
 

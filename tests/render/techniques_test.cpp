@@ -109,11 +109,7 @@ Place corridor() {
 /// Under the same sky, metal of some roughness.
 Place metal_under_the_sky(const TemporaryFolder& folder, float alpha) {
   Place place = sky_and_floor(folder);
-  scene::ConductorMaterial steel;
-  steel.eta = Spectrum(2.9f, 2.8f, 2.5f);
-  steel.k = Spectrum(3.1f, 2.9f, 2.7f);
-  steel.alpha_u = steel.alpha_v = alpha;
-  place.kit.sphere({0, 0.9f, 0}, 0.5f, place.kit.material(steel));
+  place.kit.sphere({0, 0.9f, 0}, 0.5f, steel(place.kit, alpha));
   return place;
 }
 
