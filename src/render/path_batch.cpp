@@ -20,6 +20,8 @@ constexpr int kBouncesOfWave = 1 << 16;
 constexpr std::uint64_t kRecordSeed = 0x9e3779b97f4a7c15u;
 /// What the cache knows is used where a path's directions are spread over so many sides of its cells.
 constexpr float kSpreadInCells = 2;
+/// Steps to the unit in which normals are told apart.
+constexpr float kNormalSteps = 2;
 
 }  // namespace
 
@@ -293,8 +295,11 @@ std::optional<RadianceRecord> PathBatch::record_at(int i) const {
   if (!(spread > square(kSpreadInCells * common_.cell_side))) return std::nullopt;
   const Vec3& normal = vertex.scattering.normal();
   const int depth = common_.settings.max_depth;
-  return RadianceRecord{vertex.surface.position, dot(normal, vertex.wo) < 0 ? -normal : normal,
-                        depth == kUnlimitedDepth ? depth : depth - path.depth, light_samples(path)};
+  return RadianceRecord{.position = vertex.surface.position,
+                        .normal = dot(normal, vertex.wo) < 0 ? -normal : normal,
+                        .turns = kNormalSteps,
+                        .bounces_left = depth == kUnlimitedDepth ? depth : depth - path.depth,
+                        .light_samples = light_samples(path)};
 }
 
 /// Adds what the cache knows of the rest of path i.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/cache_filler.h"
 #include "render/integrator.h"
 #include "render/path_batch.h"
 
@@ -34,6 +35,7 @@ class PathIntegrator : public Integrator {
   const RenderScene::Data& scene() const { return common_.scene; }
 
   PathCommons common_;
+  std::optional<CacheFiller> cache_filler_;
   bool reuse_;  ///< neighbouring pixels share their paths
   std::uint32_t generation_size_;
 };

@@ -12,8 +12,6 @@ namespace {
 
 /// Records that make a cell's mean worth using.
 constexpr std::size_t kFewest = 8;
-/// Steps of a normal's coordinates that are told apart: 2 / kNormalSteps.
-constexpr float kNormalSteps = 4;
 /// Between two records on one level the way is tested that far above them, in distances between them: a surface that
 /// bulges is not in its own way.
 constexpr float kLift = 0.25f;
@@ -25,7 +23,8 @@ std::uint32_t step(float x) {
 bool sees(const Geometry& geometry, const RadianceRecord& a, const RadianceRecord& b) {
   const float distance = length(b.position - a.position);
   if (!(distance > 0)) return true;
-  const Point3 from = a.position + a.normal * (kLift * distance), to = b.position + b.normal * (kLift * distance);
+  const float lift = a.medium == kNone ? kLift * distance : 0;
+  const Point3 from = a.position + a.normal * lift, to = b.position + b.normal * lift;
   const Vec3 d = to - from;
   const float way = length(d);
   if (!(way > 0)) return true;
@@ -45,9 +44,10 @@ std::uint64_t RadianceCache::key(const RadianceRecord& record, int level) const 
     high = hash_combine(high, value ^ 0x5bd1e995u);
   };
   add(static_cast<std::uint32_t>(record.light_samples));
+  add(record.medium);
   for (int axis = 0; axis < 3; ++axis) {
     add(step((record.position[axis] + offset_[axis]) * cells_per_metre));
-    add(step(record.normal[axis] * (0.5f * kNormalSteps) + 0.5f));
+    add(step(record.normal[axis] * (record.turns * sharpness_) + 0.5f));
   }
   return std::uint64_t{std::max(high, 1u)} << 32 | low;
 }
@@ -98,8 +98,8 @@ std::uint64_t RadianceCache::fill(int level, std::span<const RadianceRecord> rec
 }
 
 RadianceCache::RadianceCache(std::span<const RadianceRecord> records, const Geometry& geometry, float side,
-                             const Vec3& offset)
-    : side_(side), offset_(offset * (static_cast<float>(1 << (kLevels - 1)) * side)) {
+                             float sharpness, const Vec3& offset)
+    : side_(side), sharpness_(sharpness), offset_(offset * (static_cast<float>(1 << (kLevels - 1)) * side)) {
   std::array<std::uint64_t, kLevels> rays{};
   parallel_for(kLevels, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t level = begin; level < end; ++level)

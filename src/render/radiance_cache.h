@@ -12,15 +12,17 @@
 
 namespace etendue {
 
-/// A diffuse surface and one estimate of the light that it scatters, but for what light sampling and photons find
-/// there.
+/// A diffuse surface, or a place in a medium, and one estimate of the light that it scatters, but for what light
+/// sampling and photons find there.
 struct RadianceRecord {
   Point3 position{0, 0, 0};
-  Vec3 normal{0, 0, 1};   ///< unit, shading normal on the lit side
-  int bounces_left = 0;   ///< that the light counted may have taken; kUnlimitedDepth: any number
+  Vec3 normal{0, 0, 1};  ///< unit, shading normal on the lit side; in a medium: to where the light is scattered
+  float turns = 0;       ///< steps to the unit in which `normal` is told apart
+  int bounces_left = 0;  ///< that the light counted may have taken; kUnlimitedDepth: any number
+  std::uint32_t medium = kNone;
   int light_samples = 1;  ///< that lights were asked for here: what directions found is weighed against so many
-  /// Scattered radiance / reflectance: of all light, but what came to this surface by way of delta lobes alone from a
-  /// lamp or a surface where photons are, which is the second.
+  /// Scattered radiance / reflectance, or / albedo: of all light, but what came to this surface by way of delta lobes
+  /// alone from a lamp or a surface where photons are, which is the second.
   Spectrum radiance{}, caustics{};
 };
 
@@ -32,8 +34,10 @@ class RadianceCache {
  public:
   RadianceCache() = default;
   /// Cells of the finest level have sides of `side` metres, those of each other twice as wide ones; `offset`, in [0,
-  /// 1)³, moves their grid by so much of the widest.
-  RadianceCache(std::span<const RadianceRecord> records, const Geometry& geometry, float side, const Vec3& offset);
+  /// 1)³, moves their grid by so much of the widest. Directions are told apart in `sharpness` times as many steps as
+  /// the records say.
+  RadianceCache(std::span<const RadianceRecord> records, const Geometry& geometry, float side, float sharpness,
+                const Vec3& offset);
 
   struct Light {
     Spectrum radiance, caustics;
@@ -58,7 +62,7 @@ class RadianceCache {
   std::uint64_t key(const RadianceRecord& record, int level) const;
   std::uint64_t fill(int level, std::span<const RadianceRecord> records, const Geometry& geometry);
 
-  float side_ = 0;
+  float side_ = 0, sharpness_ = 1;
   Vec3 offset_{0, 0, 0};
   std::array<Level, kLevels> levels_;
   std::uint64_t rays_ = 0;

@@ -4,6 +4,8 @@
 #include "media/airlight.h"
 #include "render/dimensions.h"
 #include "render/direct_light.h"
+#include "render/generations.h"
+#include "render/pixel_width.h"
 #include "render/vertex.h"
 #include "sampling/warp.h"
 
@@ -20,14 +22,29 @@ constexpr int kManySegments = 1000;
 constexpr float kMaxSurvival = 0.99f;
 
 /// Paths that were scattered more often look for lamps only where they are scattered: what is left to them is worth
-/// fewer rays.
+/// fewer rays. Not where light is looked up: what is recorded serves wherever a path gets there.
 constexpr int kAirlightBounces = 3;
+
+/// Paths that are recorded have random numbers of their own.
+constexpr std::uint64_t kRecordSeed = 0x9e3779b97f4a7c15u;
+/// Places on each of the camera's segments where light is looked up.
+constexpr int kLookups = 8;
+/// What the cache knows is used where a path's directions are spread over so many sides of its cells.
+constexpr float kSpreadInCells = 2;
+/// Steps to the unit in which normals are told apart, and directions where the phase function's g is ½.
+constexpr float kNormalSteps = 2, kDirectionSteps = 4;
 
 /// The medium into which `direction` leads from a surface, for a path that has come there through `medium`.
 std::uint32_t medium_beyond(const RenderScene::Data::ShapeInfo& shape, const Vec3& geometric_normal,
                             const Vec3& direction, std::uint32_t medium) {
   if (!shape.separates_media) return medium;
   return dot(direction, geometric_normal) > 0 ? shape.exterior : shape.interior;
+}
+
+/// 1 / s; 0 of what is 0.
+Spectrum inverse(const Spectrum& s) {
+  const auto of = [](float x) { return x > 0 ? 1 / x : 0.0f; };
+  return {of(s.r), of(s.g), of(s.b)};
 }
 
 /// A point at distance t, kept off the end of the ray, which lies on a surface, by more than rounding.
@@ -49,14 +66,19 @@ struct LitView {
 /// One path.
 class VolumePathIntegrator::Walk {
  public:
+  /// With a `record` the path serves it alone, and is not the sample's.
   Walk(const VolumePathIntegrator& integrator, const PixelSampler& sampler, std::uint64_t index, const Ray& ray,
-       PixelSample& sample)
+       PixelSample& sample, std::optional<RadianceRecord>* record = nullptr)
       : scene_(integrator.scene_),
         settings_(integrator.settings_),
         camera_rays_(integrator.camera_rays_),
         lamps_(integrator.lamps_),
         bounds_(integrator.bounds_),
         tracks_(integrator.tracks_),
+        airlight_bounces_(integrator.airlight_bounces_),
+        cell_side_(integrator.cache_filler_ ? integrator.cache_filler_->cell_side() : 0),
+        cache_(integrator.cache_ && record == nullptr ? &*integrator.cache_ : nullptr),
+        record_(record),
         sampler_(sampler),
         index_(index),
         sample_(sample),
@@ -65,6 +87,7 @@ class VolumePathIntegrator::Walk {
 
   std::uint64_t run() {
     while (advance()) ++segment_;
+    if (record_ != nullptr && *record_) (*record_)->radiance = sample_.radiance;
     return rays_;
   }
 
@@ -84,6 +107,24 @@ class VolumePathIntegrator::Walk {
   /// p_way of y at x, but for the density of the direction.
   static float way_pdf(const Point3& x, const Point3& y, const Lamp& lamp);
   Ray beam(const Lamp& lamp, const Vec3& direction) const { return within_bounds({lamp.position, direction}, bounds_); }
+  bool seeks_record() const { return record_ != nullptr && !*record_; }
+  /// What the cache may know of light that is scattered in the medium at the position, or by the surface.
+  std::optional<RadianceRecord> record_at(const Point3& position) const;
+  std::optional<RadianceRecord> record_at(const Vertex& vertex) const;
+  /// Whether directions that were chosen with this density are spread widely as seen from that far.
+  bool is_spread(const Vec3& way, float pdf) const {
+    return length_squared(way) > square(kSpreadInCells * cell_side_) * pdf;
+  }
+  /// What the cache knows, if the path's samples of this place look there at all.
+  const RadianceCache::Light* known(const std::optional<RadianceRecord>& record) const {
+    return record && cache_ != nullptr ? cache_->find(*record) : nullptr;
+  }
+  /// Whether several places on the segment share what is looked up there.
+  bool looks_up_along() const {
+    return cache_ != nullptr && scatterings_ == 0 && scene_.media[medium_].is_homogeneous();
+  }
+  void look_up_along(const Ray& way, Vec2 u);
+  bool starts_recording(const std::optional<RadianceRecord>& record);
   bool starts_where_scattered() const { return pdf_scatter_ > 0 && ray_.origin == scattered_at_.position; }
   bool scatter_in_medium(float t);
   bool meet_surface(const RayHit& hit);
@@ -122,7 +163,7 @@ class VolumePathIntegrator::Walk {
     return sampler_.point(dimension::at(segment_, slot), index);
   }
   bool gathers_airlight() const {
-    return !lamps_.empty() && depth_ < kAirlightBounces && scene_.media[medium_].is_homogeneous();
+    return !lamps_.empty() && depth_ < airlight_bounces_ && !seeks_record() && scene_.media[medium_].is_homogeneous();
   }
   bool may_bounce() const { return depth_ < settings_.max_depth; }
   bool hides_emitters() const { return from_camera_ && settings_.hide_emitters; }
@@ -135,6 +176,10 @@ class VolumePathIntegrator::Walk {
   const std::vector<Lamp>& lamps_;
   const Bounds3& bounds_;
   bool tracks_;
+  int airlight_bounces_;
+  float cell_side_;
+  const RadianceCache* cache_;
+  std::optional<RadianceRecord>* record_;
   const PixelSampler& sampler_;
   std::uint64_t index_;
   PixelSample& sample_;
@@ -152,6 +197,7 @@ class VolumePathIntegrator::Walk {
   int depth_ = 0;  ///< bounces so far
   int segment_ = 0;
   bool from_camera_ = true;  ///< has not been scattered yet
+  int scatterings_ = 0;      ///< by anything but delta lobes
 };
 
 /// What the ray meets. The camera sees neither the lights that it is not to see nor, where no medium surrounds it,
@@ -173,8 +219,9 @@ bool VolumePathIntegrator::Walk::advance() {
     Ray way = ray_;
     if (hit.found()) way.t_max = hit.t;
     if (gathers_airlight() && may_bounce()) gather_airlight(way);
-    const Flight flight =
-        sample_flight(scene_.media[medium_], way, throughput_, random_point(dimension::kFreeFlight), random_);
+    const Vec2 u = random_point(dimension::kFreeFlight);
+    if (looks_up_along() && may_bounce()) look_up_along(way, u);
+    const Flight flight = sample_flight(scene_.media[medium_], way, throughput_, u, random_);
     throughput_ *= flight.weight;
     survival_ *= flight.survival;
     if (flight.t) return scatter_in_medium(off_the_end(way, *flight.t));
@@ -236,7 +283,7 @@ void VolumePathIntegrator::Walk::gather_airlight(const Ray& way, const Lamp& lam
 
 template <typename View>
 void VolumePathIntegrator::Walk::add_beam(const Point3& at, const View& view) {
-  if (lamps_.empty() || depth_ + 1 >= std::min(settings_.max_depth, kAirlightBounces)) return;
+  if (lamps_.empty() || depth_ + 1 >= std::min(settings_.max_depth, airlight_bounces_)) return;
   const Vec2 choice = random_point(dimension::kBeamPoint);
   float rest = choice.x;
   const Lamp* chosen = lamps_.data();
@@ -292,6 +339,54 @@ float VolumePathIntegrator::Walk::way_pdf(const Point3& x, const Point3& y, cons
   return static_cast<float>(seen.uniform_angle_pdf(static_cast<double>(d) - seen.nearest));
 }
 
+/// The path's own place, of `u`, is one of them, but is left to scatter_in_medium().
+void VolumePathIntegrator::Walk::look_up_along(const Ray& way, Vec2 u) {
+  constexpr float kShare = 1.0f / kLookups;
+  for (int i = 1; i < kLookups; ++i) {
+    const float v = u.y + static_cast<float>(i) * kShare;
+    const Flight flight = sample_flight(scene_.media[medium_], way, throughput_, {u.x, v < 1 ? v : v - 1}, random_);
+    if (!flight.t) continue;
+    if (const auto* light = known(record_at(way.at(off_the_end(way, *flight.t)))))
+      sample_.radiance += throughput_ * flight.weight * light->radiance * kShare;
+  }
+}
+
+std::optional<RadianceRecord> VolumePathIntegrator::Walk::record_at(const Point3& position) const {
+  if (cell_side_ == 0) return std::nullopt;
+  if (scatterings_ > 0 && !(pdf_scatter_ > 0 && is_spread(position - scattered_at_.position, pdf_scatter_)))
+    return std::nullopt;
+  const Medium& medium = scene_.media[medium_];
+  const auto* phase = std::get_if<HenyeyGreensteinPhase>(&medium.phase());
+  const int depth = settings_.max_depth;
+  // The sharper the phase function, the more the direction matters.
+  return RadianceRecord{.position = position,
+                        .normal = -ray_.direction,
+                        .turns = phase != nullptr ? kDirectionSteps * std::abs(phase->g) / (1 - std::abs(phase->g)) : 0,
+                        .bounces_left = depth == kUnlimitedDepth ? depth : depth - depth_,
+                        .medium = medium_};
+}
+
+std::optional<RadianceRecord> VolumePathIntegrator::Walk::record_at(const Vertex& vertex) const {
+  if (cell_side_ == 0 || scatterings_ == 0 || !(pdf_scatter_ > 0) || !may_bounce()) return std::nullopt;
+  if (!vertex.scattering.is_lambertian() || vertex.scattering.albedo().is_black()) return std::nullopt;
+  const float cosine = std::abs(dot(vertex.wo, vertex.surface.geometric_normal));
+  if (!is_spread(vertex.surface.position - scattered_at_.position, pdf_scatter_ * cosine)) return std::nullopt;
+  const Vec3& normal = vertex.scattering.normal();
+  const int depth = settings_.max_depth;
+  return RadianceRecord{.position = vertex.surface.position,
+                        .normal = dot(normal, vertex.wo) < 0 ? -normal : normal,
+                        .turns = kNormalSteps,
+                        .bounces_left = depth == kUnlimitedDepth ? depth : depth - depth_};
+}
+
+/// Whether the path, on its way to something to be recorded, has come there: what it finds from now on is.
+bool VolumePathIntegrator::Walk::starts_recording(const std::optional<RadianceRecord>& record) {
+  if (!seeks_record() || !record) return false;
+  *record_ = record;
+  sample_.radiance = Spectrum(0);
+  return true;
+}
+
 bool VolumePathIntegrator::Walk::scatter_in_medium(float t) {
   if (!may_bounce()) return false;
   const Point3 position = ray_.at(t);
@@ -301,13 +396,20 @@ bool VolumePathIntegrator::Walk::scatter_in_medium(float t) {
     const float value = eval_phase(phase, wo, wi);
     return LitView{{Spectrum(value), value}, position, medium_};
   };
-  add_direct_light({position}, gathers_airlight(), view);
-  add_beam(position, view);
+  const std::optional<RadianceRecord> record = record_at(position);
+  if (!seeks_record()) add_direct_light({position}, gathers_airlight(), view);
+  if (const auto* light = known(record)) {
+    sample_.radiance += throughput_ * light->radiance * (looks_up_along() ? 1.0f / kLookups : 1.0f);
+    return false;
+  }
+  if (starts_recording(record)) throughput_ = Spectrum(1);
+  if (!seeks_record()) add_beam(position, view);
   const PhaseSample next = sample_phase(phase, wo, random_point(dimension::kDirection));
   pdf_scatter_ = next.pdf;
   survival_ = 1;
   scattered_at_ = {position};
   from_camera_ = false;
+  ++scatterings_;
   ++depth_;
   ray_ = {position, next.wi};
   return survives_roulette();
@@ -326,17 +428,23 @@ bool VolumePathIntegrator::Walk::meet_surface(const RayHit& hit) {
   const Spectrum straight = scattering.straight_through();
   const bool may_pass_freely = !straight.is_black() && !settings_.null_counts_as_bounce;
   if (!may_bounce() && !may_pass_freely) return false;
-  if (may_bounce() && !scattering.is_delta()) {
-    const Point3 from = offset_origin(vertex.surface, vertex.wo);
-    const auto view = [&](const Vec3& wi) -> std::optional<LitView> {
-      const bool same_side = dot(wi, ng) * dot(vertex.wo, ng) > 0;
-      if (!same_side && !scattering.transmits()) return std::nullopt;
-      return LitView{scattering.eval(wi), same_side ? from : offset_origin(vertex.surface, wi),
-                     medium_beyond(shape, ng, wi, medium_)};
-    };
-    add_direct_light({from, receiver(vertex).normal}, false, view);
-    add_beam(from, view);
+  const bool looks_for_lights = may_bounce() && !scattering.is_delta();
+  const Point3 from = offset_origin(vertex.surface, vertex.wo);
+  const auto view = [&](const Vec3& wi) -> std::optional<LitView> {
+    const bool same_side = dot(wi, ng) * dot(vertex.wo, ng) > 0;
+    if (!same_side && !scattering.transmits()) return std::nullopt;
+    return LitView{scattering.eval(wi), same_side ? from : offset_origin(vertex.surface, wi),
+                   medium_beyond(shape, ng, wi, medium_)};
+  };
+  if (looks_for_lights && !seeks_record()) add_direct_light({from, receiver(vertex).normal}, false, view);
+  const std::optional<RadianceRecord> record = record_at(vertex);
+  if (const auto* light = known(record)) {
+    sample_.radiance += throughput_ * scattering.albedo() * light->radiance;
+    return false;
   }
+  const bool starts = starts_recording(record);
+  if (starts) throughput_ = inverse(scattering.albedo());
+  if (looks_for_lights && !seeks_record()) add_beam(from, view);
   const Vec2 choice = random_point(dimension::kLobeAndRoulette);
   const std::optional<BsdfSample> sample = scattering.sample(random_point(dimension::kDirection), choice.x);
   if (!sample) return false;
@@ -350,9 +458,10 @@ bool VolumePathIntegrator::Walk::meet_surface(const RayHit& hit) {
     survival_ = 1;
     scattered_at_ = {start, receiver(vertex).normal};
     from_camera_ = false;
+    if (!sample->is_delta()) ++scatterings_;
     ++depth_;
   }
-  throughput_ *= sample->weight;
+  throughput_ = starts ? Spectrum(1) : throughput_ * sample->weight;
   eta_scale_ *= square(sample->eta);
   medium_ = medium_beyond(shape, ng, sample->wi, medium_);
   ray_ = {start, sample->wi};
@@ -460,6 +569,37 @@ VolumePathIntegrator::VolumePathIntegrator(const RenderScene::Data& scene, const
   if (settings.integrator == IntegratorKind::direct) settings_.max_depth = std::min(settings.max_depth, 1);
   const bool is_plain = settings.integrator == IntegratorKind::path && settings.airlight == Use::automatic;
   if (settings.airlight != Use::off && !is_plain) lamps_ = find_lamps(scene);
+  if (looks_up(settings) && !scene.measured) {
+    cache_filler_.emplace(settings, usual_pixel_width(scene, camera, settings));
+    if (cache_filler_->cell_side() == 0) cache_filler_.reset();
+  }
+  airlight_bounces_ = cache_filler_ ? kUnlimitedDepth : kAirlightBounces;
+}
+
+std::string_view VolumePathIntegrator::promise() const {
+  if (cache_filler_) return "consistent: cells blur light that was scattered twice, the less the more samples";
+  return Integrator::promise();
+}
+
+std::uint32_t VolumePathIntegrator::generation_size() const {
+  return cache_filler_ ? usual_generation_size(settings_) : Integrator::generation_size();
+}
+
+std::uint64_t VolumePathIntegrator::prepare(std::uint32_t generation) {
+  if (!cache_filler_) return 0;
+  cache_.reset();
+  return cache_filler_->fill(generation, scene_.geometry, cache_,
+                             [&](int x, int y, std::uint32_t first, std::span<std::optional<RadianceRecord>> records) {
+                               const PixelSampler sampler(settings_.sampler, settings_.seed + kRecordSeed,
+                                                          static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+                               Ray rays[Geometry::kBatch];
+                               PixelSample samples[Geometry::kBatch];
+                               camera_rays_.generate(sampler, x, y, first, std::span(rays, records.size()), samples);
+                               std::uint64_t traced = 0;
+                               for (std::size_t i = 0; i < records.size(); ++i)
+                                 traced += Walk(*this, sampler, first + i, rays[i], samples[i], &records[i]).run();
+                               return traced;
+                             });
 }
 
 std::vector<VolumePathIntegrator::Lamp> VolumePathIntegrator::find_lamps(const RenderScene::Data& scene) {

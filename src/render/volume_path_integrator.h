@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/cache_filler.h"
 #include "render/integrator.h"
 
 namespace etendue {
@@ -32,9 +33,16 @@ namespace etendue {
 ///
 /// p_angle the equi-angular densities. The latter stands for the density p above, which nobody knows at y; the weights
 /// sum to one all the same, as functions of x, y and the lamp.
+///
+/// What goes on from the first place of scattering in a medium that the camera sees, and from later ones that the path
+/// reaches by directions that are spread widely enough, is looked up (radiance_cache.h) instead of followed; on the
+/// camera's segments at several places.
 class VolumePathIntegrator : public Integrator {
  public:
   VolumePathIntegrator(const RenderScene::Data& scene, const Camera& camera, const RenderSettings& settings);
+  std::string_view promise() const override;
+  std::uint32_t generation_size() const override;
+  std::uint64_t prepare(std::uint32_t generation) override;
   std::uint64_t estimate(const PixelBlock& block, std::uint32_t first, int count,
                          std::span<PixelSample> samples) const override;
 
@@ -59,6 +67,9 @@ class VolumePathIntegrator : public Integrator {
   Bounds3 bounds_;           ///< of the scene
   bool tracks_;              ///< some medium is heterogeneous
   std::vector<Lamp> lamps_;  ///< none: segments gather no light
+  int airlight_bounces_;     ///< paths that were scattered as often gather none any more
+  std::optional<CacheFiller> cache_filler_;
+  std::optional<RadianceCache> cache_;
 };
 
 }  // namespace etendue

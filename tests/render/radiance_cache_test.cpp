@@ -26,7 +26,12 @@ Geometry floor_and_screen(bool screen) {
 
 RadianceRecord record(const Point3& position, float radiance = 0, const Vec3& normal = {0, 1, 0},
                       int bounces_left = kUnlimitedDepth) {
-  return {position, normal, bounces_left, 1, Spectrum(radiance, 2 * radiance, 0), Spectrum(0, 0, 3 * radiance)};
+  return {.position = position,
+          .normal = normal,
+          .turns = 2,
+          .bounces_left = bounces_left,
+          .radiance = Spectrum(radiance, 2 * radiance, 0),
+          .caustics = Spectrum(0, 0, 3 * radiance)};
 }
 
 /// `count` records of radiances 1, 2, …, close to each other on both sides of x.
@@ -42,7 +47,7 @@ std::vector<RadianceRecord> records_around(float x, int count, const Vec3& norma
 class RadianceCacheTest : public ::testing::Test {
  protected:
   RadianceCache cache(const std::vector<RadianceRecord>& records, bool screen = false) const {
-    return {records, screen ? with_screen_ : floor_, kCell, {0.1f, 0.1f, 0.1f}};
+    return {records, screen ? with_screen_ : floor_, kCell, 1, {0.1f, 0.1f, 0.1f}};
   }
 
  private:
@@ -69,6 +74,26 @@ TEST_F(RadianceCacheTest, KnowsNothingWhereThereWasNothing) {
 TEST_F(RadianceCacheTest, AFewRecordsAreNotEnough) {
   EXPECT_EQ(cache(records_around(0, 7)).find(record({0, 0, 0.055f})), nullptr);
   EXPECT_NE(cache(records_around(0, 8)).find(record({0, 0, 0.055f})), nullptr);
+}
+
+RadianceRecord in_medium(RadianceRecord record, float turns, std::uint32_t medium = 0) {
+  record.turns = turns;
+  record.medium = medium;
+  return record;
+}
+
+/// What a medium scatters alike into all directions is known for all; what it does not, for those that are near.
+TEST_F(RadianceCacheTest, TellsDirectionsApartInMediaThatDo) {
+  for (const float turns : {0.0f, 2.0f}) {
+    std::vector<RadianceRecord> records = records_around(0, 9);
+    for (RadianceRecord& r : records) r = in_medium(r, turns);
+    const RadianceCache built = cache(records);
+    const RadianceRecord same = record({0, 0, 0.055f}), other = record({0, 0, 0.055f}, 0, {1, 0, 0});
+    EXPECT_NE(built.find(in_medium(same, turns)), nullptr);
+    EXPECT_EQ(built.find(in_medium(other, turns)) != nullptr, turns == 0);
+    EXPECT_EQ(built.find(in_medium(same, turns, 1)), nullptr);
+    EXPECT_EQ(built.find(same), nullptr);
+  }
 }
 
 /// Finest cells that hold a few records each; together, in one coarse cell, they are enough.

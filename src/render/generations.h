@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+
+#include "render/settings.h"
+
+/// Samples of a pixel come in generations: photons, cells and blocks of pixels change from one to the next.
+namespace etendue {
+
+/// Whether to try a technique for light that bounces more than once.
+bool uses(const RenderSettings& settings, Use technique);
+
+/// Samples of a pixel that are one generation: one batch, or as many as small pictures need to make it worth while.
+std::uint32_t usual_generation_size(const RenderSettings& settings);
+
+/// Samples of a pixel that what is made for a generation is worth: a picture of fewer gets less, but not much less.
+/// What few photons do wrong they do to neighbours alike, and denoisers take it for true.
+std::uint32_t worthwhile_samples(const RenderSettings& settings);
+
+}  // namespace etendue
