@@ -16,7 +16,8 @@ constexpr float kOcclusionReach = 0.25f;
 std::uint64_t DebugIntegrator::estimate(const PixelBlock& block, std::uint32_t first, int count,
                                         std::span<PixelSample> samples) const {
   const PixelSampler sampler(settings_.sampler, settings_.seed, static_cast<std::uint32_t>(block.x),
-                             static_cast<std::uint32_t>(block.y));
+                             static_cast<std::uint32_t>(block.y),
+                             static_cast<std::uint32_t>(settings_.samples_per_pixel));
   Ray rays[Geometry::kBatch];
   RayHit hits[Geometry::kBatch];
   const std::span<const Ray> starting(rays, samples.size());

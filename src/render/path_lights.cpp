@@ -168,9 +168,9 @@ void PathBatch::sample_light_for_all(int bounce, std::uint32_t light) {
     for (std::int64_t done = 0; done < samples; done += kBatch) {
       const auto n = static_cast<int>(std::min<std::int64_t>(kBatch, samples - done));
       const std::uint64_t index = sample_number(i, samples) + done;
-      sampler_.points(dimension::at(bounce, dimension::position(light)), index, n, x, y);
+      sampler_.points(dimension::at(bounce, dimension::position(light)), index, n, x, y, samples);
       if (part_count(scene_.lights[light]) > 1)
-        sampler_.points(dimension::at(bounce, dimension::part(light)), index, n, part, unused);
+        sampler_.points(dimension::at(bounce, dimension::part(light)), index, n, part, unused, samples);
       for (int j = 0; j < n; ++j) {
         const PartChoice chosen = choose_part(scene_.lights[light], part[j]);
         aims_.add(i, vertices_[i].surface.position, {x[j], y[j]}, chosen.part,
@@ -198,8 +198,8 @@ void PathBatch::sample_chosen_lights(int bounce, std::uint32_t seeking, int samp
   float choice[kMost] = {}, more[kMost] = {}, x[kMost], y[kMost];
   const std::uint64_t index = sample_number(0, samples);
   if (!scene_.light_choice.is_certain())
-    sampler_.points(dimension::at(bounce, dimension::kLightChoice), index, count_ * samples, choice, more);
-  sampler_.points(dimension::at(bounce, dimension::position(0)), index, count_ * samples, x, y);
+    sampler_.points(dimension::at(bounce, dimension::kLightChoice), index, count_ * samples, choice, more, samples);
+  sampler_.points(dimension::at(bounce, dimension::position(0)), index, count_ * samples, x, y, samples);
   for (int k = 0; k < samples; ++k) {
     Receiver at[kBatch];
     double u[kBatch];
@@ -245,8 +245,8 @@ void PathBatch::look_for_lights(int bounce) {
   constexpr int kMore = kBsdfSamples - 1;
   float u[kBatch * kMore], v[kBatch * kMore], choice[kBatch * kMore], unused[kBatch * kMore];
   const std::uint64_t index = sample_number(0, kMore);
-  sampler_.points(dimension::at(bounce, dimension::kMoreDirections), index, count_ * kMore, u, v);
-  sampler_.points(dimension::at(bounce, dimension::kMoreLobes), index, count_ * kMore, choice, unused);
+  sampler_.points(dimension::at(bounce, dimension::kMoreDirections), index, count_ * kMore, u, v, kMore);
+  sampler_.points(dimension::at(bounce, dimension::kMoreLobes), index, count_ * kMore, choice, unused, kMore);
   Look looks[kBatch];
   int n = 0;
   for (; looking != 0; looking &= looking - 1) {
@@ -312,7 +312,7 @@ void PathBatch::sample_hemisphere(int bounce) {
     const Frame frame = Frame::from_normal(dot(normal, vertex.wo) < 0 ? -normal : normal);
     for (std::int64_t j = 0; j < n; ++j) {
       float u, v;
-      sampler_.points(dimension::at(bounce, dimension::position(0)), sample_number(i, n) + j, 1, &u, &v);
+      sampler_.points(dimension::at(bounce, dimension::position(0)), sample_number(i, n) + j, 1, &u, &v, static_cast<int>(n));
       const Vec3 local = sample_hemisphere_uniform({u, v});
       const Vec3 wi = frame.to_world(local);
       const BsdfEval eval = vertex.scattering.eval(wi);

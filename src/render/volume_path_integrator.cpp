@@ -623,7 +623,8 @@ std::vector<VolumePathIntegrator::Lamp> VolumePathIntegrator::find_lamps(const R
 std::uint64_t VolumePathIntegrator::estimate(const PixelBlock& block, std::uint32_t first, int count,
                                              std::span<PixelSample> samples) const {
   const PixelSampler sampler(settings_.sampler, settings_.seed, static_cast<std::uint32_t>(block.x),
-                             static_cast<std::uint32_t>(block.y));
+                             static_cast<std::uint32_t>(block.y),
+                             static_cast<std::uint32_t>(settings_.samples_per_pixel));
   Ray rays[Geometry::kBatch];
   camera_rays_.generate(sampler, block.x, block.y, first, std::span(rays, samples.size()), samples);
   std::uint64_t traced = 0;

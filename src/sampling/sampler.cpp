@@ -1,5 +1,7 @@
 #include "sampling/sampler.h"
 
+#include <bit>
+
 #include "sampling/hash.h"
 
 namespace etendue {
@@ -71,26 +73,52 @@ void independent_points(std::uint32_t seed, std::uint32_t first, int count, floa
   }
 }
 
-}  // namespace
+/// Side of the squares within which pixels are spread together.
+constexpr std::uint32_t kSquare = 1 << 8;
+constexpr int kPlaceBits = 16;
 
-PixelSampler::PixelSampler(SamplerKind kind, std::uint64_t seed, std::uint32_t x, std::uint32_t y) : kind_(kind) {
-  const std::uint32_t seed_hash =
-      hash_combine(mix_bits(static_cast<std::uint32_t>(seed) + 0x165667b1u), static_cast<std::uint32_t>(seed >> 32));
-  pixel_hash_ = hash_combine(hash_combine(seed_hash, x), y);
+/// Bit i of x < kSquare to place 2i.
+constexpr std::uint32_t spread_bits(std::uint32_t x) {
+  x = (x | x << 4) & 0x0f0fu;
+  x = (x | x << 2) & 0x3333u;
+  return (x | x << 1) & 0x5555u;
 }
 
-void PixelSampler::points(std::uint64_t dimension, std::uint64_t first, int count, float* u, float* v) const {
-  const auto sequence = static_cast<std::uint32_t>(first >> 32), index = static_cast<std::uint32_t>(first);
-  const std::uint64_t left = (std::uint64_t{1} << 32) - index;
+}  // namespace
+
+PixelSampler::PixelSampler(SamplerKind kind, std::uint64_t seed, std::uint32_t x, std::uint32_t y,
+                           std::uint32_t samples)
+    : kind_(kind) {
+  const std::uint32_t seed_hash =
+      hash_combine(mix_bits(static_cast<std::uint32_t>(seed) + 0x165667b1u), static_cast<std::uint32_t>(seed >> 32));
+  if (kind != SamplerKind::sobol || samples == 0 || samples > kFewSamples) {
+    hash_ = hash_combine(hash_combine(seed_hash, x), y);
+    return;
+  }
+  samples_ = samples;
+  place_ = spread_bits(x % kSquare) | spread_bits(y % kSquare) << 1;
+  hash_ = hash_combine(hash_combine(seed_hash, x / kSquare), y / kSquare);
+}
+
+void PixelSampler::points(std::uint64_t dimension, std::uint64_t first, int count, float* u, float* v,
+                          int per_sample) const {
+  // Each pixel has a part of the sequence, as long as it needs.
+  const auto needed = static_cast<int>(std::bit_width(samples_ * static_cast<std::uint64_t>(per_sample) - 1));
+  const bool alone = samples_ == 0 || needed > 32 - kPlaceBits;
+  const int bits = alone ? 32 : needed;
+  const std::uint64_t size = std::uint64_t{1} << bits, in_part = first & (size - 1), left = size - in_part;
+  const auto part = static_cast<std::uint32_t>(first >> bits);
+  const auto index = static_cast<std::uint32_t>(alone ? in_part : place_ * size + in_part);
   if (left < static_cast<std::uint64_t>(count)) {
     const int here = static_cast<int>(left);
-    points(dimension, first, here, u, v);
-    points(dimension, first + left, count - here, u + here, v + here);
+    points(dimension, first, here, u, v, per_sample);
+    points(dimension, first + left, count - here, u + here, v + here, per_sample);
     return;
   }
   std::uint32_t seed = hash_combine(
-      pixel_hash_, static_cast<std::uint32_t>(dimension) + 0x9e3779b1u * static_cast<std::uint32_t>(dimension >> 32));
-  if (sequence != 0) seed = hash_combine(seed, sequence);
+      hash_, static_cast<std::uint32_t>(dimension) + 0x9e3779b1u * static_cast<std::uint32_t>(dimension >> 32));
+  if (alone && samples_ != 0) seed = hash_combine(seed, place_);
+  if (part != 0) seed = hash_combine(seed, part);
   if (kind_ == SamplerKind::sobol)
     sobol_points(seed, index, count, u, v);
   else

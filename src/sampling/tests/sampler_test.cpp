@@ -60,6 +60,68 @@ TEST(SobolSampler, EveryAlignedBlockIsANet) {
       EXPECT_TRUE(is_net(draw(sampler, 3, block << m, 1 << m))) << m << ' ' << block;
 }
 
+/// The points of a square of pixels, each of which takes `count` of `per_sample` points a sample.
+Points draw_square(std::uint32_t side, std::uint32_t samples, int per_sample, std::uint32_t x0, std::uint32_t y0) {
+  Points all;
+  const int count = static_cast<int>(samples) * per_sample;
+  for (std::uint32_t y = y0; y < y0 + side; ++y)
+    for (std::uint32_t x = x0; x < x0 + side; ++x) {
+      Points own{std::vector<float>(count), std::vector<float>(count)};
+      PixelSampler(SamplerKind::sobol, 7, x, y, samples).points(5, 0, count, own.u.data(), own.v.data(), per_sample);
+      all.u.insert(all.u.end(), own.u.begin(), own.u.end());
+      all.v.insert(all.v.end(), own.v.begin(), own.v.end());
+    }
+  return all;
+}
+
+TEST(SobolSampler, NeighboursOfFewSamplesAreANetTogether) {
+  for (const std::uint32_t samples : {1u, 4u, 16u})
+    for (const int per_sample : {1, 4}) {
+      EXPECT_TRUE(is_net(draw_square(1, samples, per_sample, 13, 255)));
+      for (const std::uint32_t side : {2u, 4u, 8u}) {
+        EXPECT_TRUE(is_net(draw_square(side, samples, per_sample, 8 * 31, 8))) << samples << ' ' << side;
+        EXPECT_TRUE(is_net(draw_square(side, samples, per_sample, 8 * 32, 0))) << samples << ' ' << side;
+      }
+    }
+  EXPECT_FALSE(is_net(draw_square(2, PixelSampler::kFewSamples * 2, 1, 8, 8)));
+}
+
+/// At any count of samples, the mean over 4 × 4 pixels errs less than if they knew nothing of each other.
+TEST(SobolSampler, ErrorsOfNeighboursCancelAtAnyCount) {
+  const auto error = [](std::uint32_t samples, bool together) {
+    RunningMean squares;
+    for (std::uint32_t block = 0; block < 400; ++block) {
+      double sum = 0;
+      for (std::uint32_t pixel = 0; pixel < 16; ++pixel) {
+        const PixelSampler sampler(SamplerKind::sobol, 3, block % 20 * 4 + pixel % 4, block / 20 * 4 + pixel / 4,
+                                   together ? samples : 0);
+        const Points points = draw(sampler, 11, 0, static_cast<int>(samples));
+        for (std::uint32_t i = 0; i < samples; ++i) sum += points.u[i] + points.v[i] < 0.8f ? 1 : 0;
+      }
+      const double off = sum / (16 * samples) - 0.32;
+      squares.add(off * off);
+    }
+    return squares.mean();
+  };
+  for (const std::uint32_t samples : {1u, 3u, 5u, 12u, 16u, 37u, 100u})
+    EXPECT_LT(1.5 * error(samples, true), error(samples, false)) << samples;
+}
+
+/// What goes beyond the samples that were told, or is too much for neighbours to share, is no repetition.
+TEST(SobolSampler, MorePointsThanWereToldAreOthers) {
+  const PixelSampler sampler(SamplerKind::sobol, 3, 4, 5, 16);
+  const Points first = draw(sampler, 1, 0, 16), next = draw(sampler, 1, 16, 16), across = draw(sampler, 1, 8, 16);
+  EXPECT_TRUE(is_net(next));
+  EXPECT_NE(first.u, next.u);
+  for (int i = 0; i < 16; ++i) EXPECT_EQ(across.u[i], i < 8 ? first.u[i + 8] : next.u[i - 8]);
+  const auto many = [](std::uint32_t x) {
+    float u, v;
+    PixelSampler(SamplerKind::sobol, 3, x, 5, 256).points(1, 0, 1, &u, &v, 1 << 20);
+    return u;
+  };
+  EXPECT_NE(many(4), many(5));
+}
+
 TEST(SobolSampler, IndependentPointsAreNoNet) {
   EXPECT_FALSE(is_net(draw(PixelSampler(SamplerKind::independent, 0, 0, 0), 0, 0, 64)));
 }
