@@ -99,6 +99,17 @@ double parse_duration(std::string_view flag, std::string_view word) {
   return *seconds;
 }
 
+std::uint64_t parse_memory(std::string_view flag, std::string_view word) {
+  static constexpr std::pair<char, double> kUnits[] = {{'K', 0x1p10}, {'M', 0x1p20}, {'G', 0x1p30}, {'T', 0x1p40}};
+  std::string_view digits = word;
+  double unit = 1;
+  for (const auto& [letter, bytes] : kUnits)
+    if (word.ends_with(letter)) digits = word.substr(0, word.size() - 1), unit = bytes;
+  const double bytes = whole_word_as<double>(digits).value_or(0) * unit;
+  if (!(bytes >= 0x1p20 && bytes <= 0x1p50)) reject(flag, "an amount of at least 1M, such as 512M or 2G", word);
+  return static_cast<std::uint64_t>(bytes);
+}
+
 void reject_choice(std::string_view flag, std::string_view word, std::span<const std::string_view> choices) {
   const auto nearest = nearest_word(word, choices);
   throw Error(Failure::usage, fmt::format("{} needs one of {}, not \"{}\"{}", flag, fmt::join(choices, ", "), word,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -37,6 +38,9 @@ T parse_share(std::string_view flag, std::string_view word, Range<T> range);
 
 /// A span of time such as 90, 90s, 2m, 1h30m, 1.5h or 500ms, in seconds, above 0.
 double parse_duration(std::string_view flag, std::string_view word);
+
+/// An amount of memory such as 512M or 1.5G (of 1024s), in bytes; from 1M.
+std::uint64_t parse_memory(std::string_view flag, std::string_view word);
 
 /// Throws "FLAG needs one of …, not "WORD"; did you mean …?".
 [[noreturn]] void reject_choice(std::string_view flag, std::string_view word,

@@ -219,6 +219,11 @@ void add_machine_flags(CLI::App& app, RenderFlags& f) {
   flags::number(app, "--tile-size", f.options.settings.tile_size, Range{1, 4096}, "N",
                 "Pixels along the side of a unit of work; changes no pixel (default 16)")
       ->group("Machine");
+  flags::add(
+      app, "--memory-limit", {"SIZE"},
+      "For photons and light to be looked up, such as 2G; fewer are made where more would not fit (default 512M)",
+      [&s = f.options.settings](auto words) { s.memory_limit = flags::parse_memory("--memory-limit", words[0]); })
+      ->group("Machine");
 }
 
 [[noreturn]] void fail(const std::string& message) {

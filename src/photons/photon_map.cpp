@@ -7,13 +7,6 @@
 #include "sampling/hash.h"
 
 namespace etendue {
-namespace {
-
-/// Buckets for few photons; more share the work of a lookup, but cost memory that lookups wait for.
-constexpr std::size_t kFewestBuckets = 1 << 10, kMostBuckets = 1 << 22;
-
-}  // namespace
-
 PhotonMap::PhotonMap(std::vector<Photon> photons, float radius)
     : radius_(radius),
       cells_per_metre_(1 / (2 * radius)),

@@ -24,7 +24,16 @@ struct Photon {
 
 /// Photons by where they are: a hashed grid, built once, read by all threads.
 class PhotonMap {
+  /// For few photons; more share the work of a lookup, but cost memory that lookups wait for.
+  static constexpr std::size_t kFewestBuckets = 1 << 10, kMostBuckets = 1 << 22;
+
  public:
+  /// A map has up to four buckets a photon, or kFewestBuckets; of each a start and a bit.
+  static constexpr std::size_t kFewestBytes = kFewestBuckets * (sizeof(std::uint32_t) + 1);
+  static constexpr std::size_t kBytesPerPhoton = sizeof(Photon) + sizeof(Point3) + 4 * sizeof(std::uint32_t) + 1;
+  /// More for what is needed while it is made, but for the photons given.
+  static constexpr std::size_t kBytesToMake = 5 * sizeof(std::uint32_t);
+
   PhotonMap() = default;
   /// For lookups within `radius`, in metres. The order of `photons` decides the order in which lookups see them.
   PhotonMap(std::vector<Photon> photons, float radius);

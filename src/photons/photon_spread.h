@@ -16,6 +16,8 @@ class PhotonSpread {
  public:
   /// Disks are as large as the finest, or 2, 4 or 8 times as wide.
   static constexpr int kLevels = 5;
+  /// Two grids of up to eight buckets a photon of the pilot.
+  static constexpr std::size_t kBytesPerPhoton = 2 * 8 * (sizeof(std::uint32_t) + sizeof(Vec3));
 
   PhotonSpread() = default;
   /// `pilot`: as many as there will be at a time. `finest`: radius in metres.
@@ -52,6 +54,12 @@ class PhotonSpread {
 /// Photons for lookups of all levels.
 class PhotonMaps {
  public:
+  /// At most: where each level's lookups may find it.
+  static constexpr std::size_t kBytesPerPhoton = PhotonSpread::kLevels * PhotonMap::kBytesPerPhoton;
+  static constexpr std::size_t kFewestBytes = PhotonSpread::kLevels * PhotonMap::kFewestBytes;
+  /// More for what is needed while they are made: lists that grow to up to twice what they hold.
+  static constexpr std::size_t kBytesToMake = 2 * PhotonSpread::kLevels * sizeof(Photon) + PhotonMap::kBytesToMake;
+
   PhotonMaps() = default;
   /// `finest`: radius, at most that of the spread.
   PhotonMaps(std::span<const Photon> photons, const PhotonSpread& spread, float finest);

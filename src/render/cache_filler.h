@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "render/radiance_cache.h"
 #include "render/settings.h"
@@ -31,8 +32,11 @@ class CacheFiller {
                      const Record& record) const;
 
  private:
-  std::uint64_t width_, pixels_, pixels_per_record_;
-  std::uint32_t samples_;
+  std::vector<RadianceRecord> collect(std::uint32_t generation, const Record& record, std::uint64_t& rays) const;
+
+  std::uint64_t width_, pixels_;
+  std::uint32_t samples_;  ///< of a pixel and generation
+  std::uint64_t pixels_per_record_;
   float cell_side_;
 };
 

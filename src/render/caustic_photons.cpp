@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "render/caustic_targets.h"
 #include "render/direct_light.h"
+#include "render/generations.h"
 #include "render/pixel_width.h"
 #include "sampling/sampler.h"
 
@@ -13,9 +14,8 @@ namespace etendue {
 namespace {
 
 constexpr int kMostBounces = SpecularChain::kMostBounces;
-/// One photon is emitted for so many samples of pixels, as far as a generation's bounds allow.
+/// One photon is emitted for so many samples of pixels, as far as memory allows.
 constexpr std::uint64_t kSamplesPerPhoton = 2 * Geometry::kBatch;
-constexpr std::uint64_t kMostPhotons = 1 << 21;
 constexpr std::uint32_t kChunk = 1024;
 /// Of the first generation, in pixels as wide as they are at most of the surfaces that the camera sees.
 constexpr float kRadiusInPixels = 0.5f;
@@ -63,7 +63,25 @@ CausticPhotons::CausticPhotons(const RenderScene::Data& scene, const Camera& cam
   if (!aim_.possible()) return;
   first_radius_ = kRadiusInPixels * usual_pixel_width(scene, camera, settings);
   const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
-  emitted_ = static_cast<std::uint32_t>(std::min(pixels * generation_size / kSamplesPerPhoton, kMostPhotons) / kShares);
+  // One share is made at a time.
+  constexpr std::uint64_t kBytesToMake = sizeof(Photon) + PhotonMaps::kBytesToMake;
+  constexpr std::uint64_t kBytesPerPhoton =
+      PhotonSpread::kBytesPerPhoton + PhotonMaps::kBytesPerPhoton + (kBytesToMake + kShares - 1) / kShares;
+  most_kept_ = (photon_memory(settings) - kShares * PhotonMaps::kFewestBytes) / kBytesPerPhoton / kShares;
+  emitted_ = static_cast<std::uint32_t>(std::min(pixels * generation_size / kSamplesPerPhoton / kShares, most_kept_));
+}
+
+/// Where several arrive of each one emitted, fewer are.
+CausticPhotons::Arrived CausticPhotons::trace_pilot() {
+  Arrived pilot = trace_range(kPilot, 0, emitted_);
+  if (pilot.photons.size() > most_kept_) {
+    emitted_ = static_cast<std::uint32_t>(std::max(emitted_ * most_kept_ / pilot.photons.size(), std::uint64_t{1}));
+    pilot = trace_range(kPilot, 0, emitted_);
+  }
+  const Arrived rest = trace_range(kPilot, emitted_, (kShares - 1) * emitted_);
+  pilot.photons.insert(pilot.photons.end(), rest.photons.begin(), rest.photons.end());
+  pilot.rays += rest.rays;
+  return pilot;
 }
 
 CausticPhotons::Arrived CausticPhotons::trace_range(std::uint32_t generation, std::uint32_t begin,
@@ -78,6 +96,9 @@ CausticPhotons::Arrived CausticPhotons::trace_range(std::uint32_t generation, st
     }
   });
   Arrived all;
+  std::size_t size = 0;
+  for (const Arrived& part : parts) size += part.photons.size();
+  all.photons.reserve(size);
   for (const Arrived& part : parts) {
     all.photons.insert(all.photons.end(), part.photons.begin(), part.photons.end());
     all.rays += part.rays;
@@ -89,12 +110,13 @@ std::uint64_t CausticPhotons::trace(std::uint32_t generation) {
   const float radius = first_radius_ * std::pow(static_cast<float>(generation + 1), kShrinking);
   std::uint64_t rays = 0;
   if (!spread_) {
-    const Arrived pilot = trace_range(kPilot, 0, kShares * emitted_);
+    const Arrived pilot = trace_pilot();
     spread_.emplace(pilot.photons, first_radius_);
     rays += pilot.rays;
   }
   for (std::uint32_t share = 0; share < kShares; ++share) {
     const Arrived arrived = trace_range(generation, share * emitted_, emitted_);
+    maps_[share] = {};
     maps_[share] = PhotonMaps(arrived.photons, *spread_, radius);
     rays += arrived.rays;
   }

@@ -95,6 +95,7 @@ class CausticPhotons {
 
  private:
   struct Arrived;
+  Arrived trace_pilot();
   Arrived trace_range(std::uint32_t generation, std::uint32_t first, std::uint32_t count) const;
   std::uint64_t trace_one(std::uint32_t generation, std::uint32_t index, std::vector<Photon>& arrived) const;
   float gleam_rival(const Receiver& at, std::uint32_t light, float pdf, float pdf_bsdf) const;
@@ -112,7 +113,8 @@ class CausticPhotons {
   std::optional<PhotonSpread> spread_;  ///< once it is known
   static constexpr std::uint32_t kShares = 8;
   std::array<PhotonMaps, kShares> maps_;
-  std::uint32_t emitted_ = 0;  ///< of each share of a generation
+  std::uint32_t emitted_ = 0;    ///< of each share of a generation
+  std::uint64_t most_kept_ = 0;  ///< of those that arrive, so many fit into the memory of a share
   float first_radius_ = 0;
   /// Of each level, emitted · π r²: times a density per étendue and cos θ, that of merging per steradian.
   std::array<float, PhotonSpread::kLevels> photons_per_etendue_{};

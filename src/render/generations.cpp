@@ -24,4 +24,12 @@ std::uint32_t worthwhile_samples(const RenderSettings& settings) {
   return std::clamp(static_cast<std::uint32_t>(settings.samples_per_pixel), size / 4, size);
 }
 
+std::uint64_t photon_memory(const RenderSettings& settings) {
+  return settings.memory_limit / (settings.for_denoising ? 2 : 1) / 8 * 5;
+}
+
+std::uint64_t record_memory(const RenderSettings& settings) {
+  return settings.memory_limit / (settings.for_denoising ? 2 : 1) / 8 * 3;
+}
+
 }  // namespace etendue

@@ -17,4 +17,8 @@ std::uint32_t usual_generation_size(const RenderSettings& settings);
 /// What few photons do wrong they do to neighbours alike, and denoisers take it for true.
 std::uint32_t worthwhile_samples(const RenderSettings& settings);
 
+/// Bytes of the memory limit for one integrator's photons, and for what it records: a picture of two halves has two.
+std::uint64_t photon_memory(const RenderSettings& settings);
+std::uint64_t record_memory(const RenderSettings& settings);
+
 }  // namespace etendue

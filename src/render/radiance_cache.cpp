@@ -10,8 +10,6 @@
 namespace etendue {
 namespace {
 
-/// Records that make a cell's mean worth using.
-constexpr std::size_t kFewest = 8;
 /// Between two records on one level the way is tested that far above them, in distances between them: a surface that
 /// bulges is not in its own way.
 constexpr float kLift = 0.25f;
@@ -70,7 +68,7 @@ void RadianceCache::Level::insert(std::uint64_t key, const Cell& cell) {
 }
 
 std::uint64_t RadianceCache::fill(int level, std::span<const RadianceRecord> records, const Geometry& geometry) {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+  std::vector<Keyed> order;
   order.reserve(records.size());
   for (std::uint32_t i = 0; i < records.size(); ++i) order.emplace_back(key(records[i], level), i);
   std::ranges::sort(order);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "geometry/geometry.h"
@@ -32,6 +33,24 @@ struct RadianceRecord {
 /// records.
 class RadianceCache {
  public:
+  struct Light {
+    Spectrum radiance, caustics;
+  };
+
+ private:
+  static constexpr int kLevels = 3;
+  static constexpr std::size_t kFewest = 8;  ///< records that make a cell's mean worth using
+  struct Cell {
+    Light light;
+    bool open = false;      ///< nothing stands within it; else wider cells are no better
+    std::uint32_t key = 0;  ///< 0: empty
+  };
+  using Keyed = std::pair<std::uint64_t, std::uint32_t>;  ///< a record's key and number
+
+ public:
+  /// Beside the records, while it is made: on each level, up to four cells for kFewest records.
+  static constexpr std::size_t kBytesPerRecord = kLevels * (sizeof(Keyed) + 4 * sizeof(Cell) / kFewest);
+
   RadianceCache() = default;
   /// Cells of the finest level have sides of `side` metres, those of each other twice as wide ones; `offset`, in [0,
   /// 1)³, moves their grid by so much of the widest. Directions are told apart in `sharpness` times as many steps as
@@ -39,21 +58,12 @@ class RadianceCache {
   RadianceCache(std::span<const RadianceRecord> records, const Geometry& geometry, float side, float sharpness,
                 const Vec3& offset);
 
-  struct Light {
-    Spectrum radiance, caustics;
-  };
   /// Mean of the records like this one (whose radiance does not matter), if there are enough of them.
   const Light* find(const RadianceRecord& like) const;
   float side() const { return side_; }
   std::uint64_t rays() const { return rays_; }  ///< traced to build it
 
  private:
-  static constexpr int kLevels = 3;
-  struct Cell {
-    Light light;
-    bool open = false;      ///< nothing stands within it; else wider cells are no better
-    std::uint32_t key = 0;  ///< 0: empty
-  };
   struct Level {
     std::vector<Cell> cells;  ///< open addressing; a power of two
     const Cell* find(std::uint64_t key) const;

@@ -212,6 +212,7 @@ RenderSession::RenderSession(RenderScene scene, const Camera& camera, const Rend
   if (!(max_abs_component(camera.to_world.origin) <= kFarthestCamera))
     throw Error(Failure::input,
                 "the camera stands farther than 1e12 m from the origin, or nowhere; check its position");
+  if (settings.memory_limit < kLeastMemory) throw Error(Failure::usage, "the memory limit must be at least 1 MiB");
   if (settings.adaptive && settings.adaptive->batch < 1)
     throw Error(Failure::usage, "an adaptive batch needs at least 1 sample");
   if (crop.x < 0 || crop.y < 0 || crop.width < 1 || crop.height < 1 || crop.x > settings.width - crop.width ||

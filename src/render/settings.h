@@ -56,6 +56,10 @@ struct RenderSettings {
   std::optional<float> clamp;  ///< luminance that no sample exceeds; biased
   bool for_denoising = false;  ///< make the samples two independent halves, and keep both
   int tile_size = 16;          ///< pixels along the side of a unit of work; changes no pixel
+  /// Bytes that photons and what is recorded for lookups may take; where there are many, fewer are made.
+  std::uint64_t memory_limit = std::uint64_t{512} << 20;
 };
+
+inline constexpr std::uint64_t kLeastMemory = std::uint64_t{1} << 20;  ///< for memory_limit
 
 }  // namespace etendue

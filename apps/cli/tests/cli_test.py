@@ -245,6 +245,8 @@ class Techniques(CliTest):
             for value in ("auto", "on", "off"):
                 self.render("-o", "o.png", flag, value)
         self.render("-o", "o.png", "--clamp", "2.5")
+        for size in ("1M", "1048576", "2048K", "1.5G", "2T"):
+            self.render("-o", "o.png", "--memory-limit", size)
         result = self.render("-o", "o.png", "--denoise", spp=16)
         self.assertIn("the picture is biased", result.stderr)
 
@@ -256,6 +258,11 @@ class Techniques(CliTest):
                 ("--airlight true", "--airlight"), ("--airlihgt on", "did you mean --airlight?"),
                 ("--clamp 0", "--clamp needs a number"), ("--clamp -1", "--clamp"), ("--clamp nan", "--clamp"),
                 ("--clamp bright", '--clamp needs a number from 1e-06 to 1e+30, not "bright"'),
+                ("--memory-limit 1023K", '--memory-limit needs an amount of at least 1M, such as 512M or 2G, not "1023K"'),
+                ("--memory-limit 512", "--memory-limit needs"), ("--memory-limit lots", "--memory-limit needs"),
+                ("--memory-limit -2G", "--memory-limit needs"), ("--memory-limit 2GB", "--memory-limit needs"),
+                ("--memory-limit nanM", "--memory-limit needs"), ("--memory-limit", "--memory-limit needs SIZE"),
+                ("--memory-limit=", "--memory-limit needs"), ("--memory-limit 1e9T", "--memory-limit needs"),
                 ("--clamp", "--clamp needs X"), ("--denoise=maybe", "--denoise"), ("--denoise off", "off"),
         ]:
             with self.subTest(words):
