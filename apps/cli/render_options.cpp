@@ -142,6 +142,9 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
   flags::choice<Use>(app, "--airlight", s.airlight, uses,
                      "Rays through even fog gather light of lamps on their whole way (default auto)")
       ->group("Sampling");
+  flags::choice<Use>(app, "--splitting", s.splitting, uses,
+                     "Early vertices ask several lights, paths go both ways at glass (default auto)")
+      ->group("Sampling");
   flags::number(app, "--clamp", s.clamp, Range{1e-6f, kHuge}, "X",
                 "No sample counts as brighter than this; biased (default: off)")
       ->group("Sampling");
@@ -175,6 +178,9 @@ void add_light_flags(CLI::App& app, RenderFlags& f) {
       app, "--env-sampling", f.options.compile.environment_sampling,
       {{"importance", EnvironmentSampling::importance}, {"uniform", EnvironmentSampling::uniform}},
       "How directions of the map are chosen (default importance)")
+      ->group("Light");
+  flags::choice<bool>(app, "--light-tree", f.options.compile.light_tree, {{"on", true}, {"off", false}},
+                      "Choose lights by what they may give to a place (default on; off: by power alone)")
       ->group("Light");
   app.add_flag("--headlight", f.options.headlight, "Add a light at the camera, for scenes without lights")
       ->group("Light");

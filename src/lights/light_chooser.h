@@ -12,14 +12,14 @@
 namespace etendue {
 
 /// Chooses the light, and the part of it, that a vertex asks: among the finite ones by a LightTree over all their
-/// parts, among those at infinity by power. Between the two by what they promise at the vertex, but each of them at
-/// least with probability kLeastShare: neither estimate knows what is in the way.
+/// parts, among those at infinity by power; all by power if that is asked for. Between the two by what they promise at
+/// the vertex, but each of them at least with probability kLeastShare: neither estimate knows what is in the way.
 class LightChooser {
  public:
   static constexpr float kLeastShare = 0.2f;
 
   LightChooser() = default;
-  LightChooser(std::span<const Light> lights, const Bounds3& scene);
+  LightChooser(std::span<const Light> lights, const Bounds3& scene, bool has_tree = true);
 
   struct Choice {
     std::uint32_t light = 0, part = 0;
@@ -39,15 +39,14 @@ class LightChooser {
     std::uint32_t light, part;
   };
 
-  double share_of_infinite(const Receiver& at) const;
+  double share_by_power(const Receiver& at) const;
 
   bool only_one_ = false;
   LightTree tree_;
-  std::vector<Part> parts_;                ///< of the finite lights, as the tree numbers them
-  std::vector<std::uint32_t> first_part_;  ///< of each light, in parts_; of one at infinity: its place in infinite_
-  std::vector<std::uint32_t> infinite_;
-  DiscreteDistribution infinite_choice_;
-  float infinite_irradiance_ = 0;
+  std::vector<Part> in_tree_, by_power_;   ///< as the tree, and the power's distribution, number them
+  std::vector<std::uint32_t> first_part_;  ///< of each light, in one or the other
+  DiscreteDistribution power_choice_;
+  float infinite_irradiance_ = 0;  ///< where there is a tree
 };
 
 }  // namespace etendue

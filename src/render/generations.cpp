@@ -6,10 +6,13 @@
 
 namespace etendue {
 
+bool asks_for(const RenderSettings& settings, Use technique) {
+  if (settings.integrator == IntegratorKind::automatic) return technique != Use::off;
+  return settings.integrator == IntegratorKind::path && technique == Use::on;
+}
+
 bool uses(const RenderSettings& settings, Use technique) {
-  if (settings.max_depth < 2 || technique == Use::off) return false;
-  return settings.integrator == IntegratorKind::automatic ||
-         (settings.integrator == IntegratorKind::path && technique == Use::on);
+  return settings.max_depth >= 2 && asks_for(settings, technique);
 }
 
 std::uint32_t usual_generation_size(const RenderSettings& settings) {

@@ -7,7 +7,10 @@
 /// Samples of a pixel come in generations: photons, cells and blocks of pixels change from one to the next.
 namespace etendue {
 
-/// Whether to try a technique for light that bounces more than once.
+/// Whether the settings ask for a technique.
+bool asks_for(const RenderSettings& settings, Use technique);
+
+/// Whether to try one for light that bounces more than once.
 bool uses(const RenderSettings& settings, Use technique);
 
 /// Samples of a pixel that are one generation: one batch, or as many as small pictures need to make it worth while.

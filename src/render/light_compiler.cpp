@@ -24,7 +24,7 @@ class LightCompiler {
     for (std::uint32_t shape = 0; shape < data_.shapes.size(); ++shape) shine(shape);
     for (const scene::Light& light : scene_.lights) add(light);
     if (options_.light_for) add(options_.light_for(data_.geometry.bounds()));
-    data_.light_choice = LightChooser(data_.lights, data_.geometry.bounds());
+    data_.light_choice = LightChooser(data_.lights, data_.geometry.bounds(), options_.light_tree);
   }
 
  private:

@@ -31,7 +31,7 @@ PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& cam
   if (settings.integrator == IntegratorKind::direct) common_.settings.max_depth = std::min(settings.max_depth, 1);
   common_.every_light = settings.light_samples > 0;
   common_.hemisphere = settings.integrator == IntegratorKind::hemisphere;
-  common_.splits = settings.integrator == IntegratorKind::automatic && !common_.every_light;
+  common_.splits = asks_for(settings, settings.splitting) && !common_.every_light;
   common_.looks = common_.splits && !scene.may_pass;
   if (looks_up(settings) && !scene.may_pass && !scene.measured) {
     cache_filler_.emplace(settings, usual_pixel_width(scene, camera, settings));

@@ -17,6 +17,7 @@ enum class EnvironmentSampling { uniform, importance };
 struct CompileOptions {
   std::optional<scene::Fresnel> fresnel;  ///< overrides every glass
   EnvironmentSampling environment_sampling = EnvironmentSampling::importance;
+  bool light_tree = true;  ///< lights are chosen by what they may give to a place; else by power (LightChooser)
   /// Gives one more light, which may depend on the bounds of all that the description holds; none if empty.
   std::function<scene::Light(const Bounds3& bounds)> light_for = {};
 };

@@ -45,10 +45,11 @@ struct RenderSettings {
   bool null_counts_as_bounce = false;  ///< whether light that passes a mask, null boundary or thin pane has bounced
   bool hide_emitters = false;          ///< camera rays see neither lights nor their shapes
   IntegratorKind integrator = IntegratorKind::automatic;
-  Use photons = Use::automatic;   ///< for light that comes by way of mirrors and smooth glass
-  Use reuse = Use::automatic;     ///< neighbouring pixels share their paths
-  Use cache = Use::automatic;     ///< light between diffuse surfaces is looked up
-  Use airlight = Use::automatic;  ///< point-like lights are sampled along whole segments in homogeneous media
+  Use photons = Use::automatic;    ///< for light that comes by way of mirrors and smooth glass
+  Use reuse = Use::automatic;      ///< neighbouring pixels share their paths
+  Use cache = Use::automatic;      ///< light between diffuse surfaces is looked up
+  Use airlight = Use::automatic;   ///< point-like lights are sampled along whole segments in homogeneous media
+  Use splitting = Use::automatic;  ///< early vertices ask several lights; paths go both ways at glass
   SamplerKind sampler = SamplerKind::sobol;
   scene::ReconstructionFilter filter;  ///< how samples near a pixel count towards it
   std::uint64_t seed = 0;

@@ -10,6 +10,8 @@ namespace {
 
 const Spectrum kPaint{0.7f, 0.6f, 0.5f};
 const Technique kBranches{"branches and looks", IntegratorKind::automatic};
+const Technique kForced[] = {{.name = "splitting on", .splitting = Use::on},
+                             {.name = "off", .integrator = IntegratorKind::automatic, .splitting = Use::off}};
 const Technique kPhotons{"photons", IntegratorKind::path, Use::on};
 
 /// A small lamp mirrored in a ball and a slab of glass, through both of which a floor is seen.
@@ -69,6 +71,10 @@ void expect_same(const Place& place, const Technique& technique, const Look& loo
 
 TEST(Branches, LampInGlass) {
   expect_same(lamp_in_glass(), kBranches, look_at());
+}
+TEST(Branches, AreForcedOnAndOff) {
+  expect_same_means(lamp_in_glass(), kForced, look_at());
+  expect_same_means(metal(0.3f), kForced, look_at(1));
 }
 TEST(Branches, LampInGlassOfLimitedDepth) {
   expect_same(lamp_in_glass(), kBranches, look_at(3));

@@ -129,7 +129,7 @@ TEST_P(Determinism, ThroughSeveralGenerations) {
   large.width = large.height = 128;
   large.crop = CropWindow{40, 50, 24, 20};
   large.samples_per_pixel = 48;
-  large.photons = large.reuse = large.cache = Use::on;
+  large.photons = large.reuse = large.cache = large.splitting = Use::on;
   Picture expected;
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);

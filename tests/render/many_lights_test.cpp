@@ -41,8 +41,8 @@ void add_lamps(SceneKit& kit) {
 const Camera kIntoRoom = pinhole({0, 2, 7}, {0, 1, 0}, 0.45f);
 
 /// `samples` of every light a pixel, and eight times as many of chosen ones.
-void expect_same_picture(const SceneKit& kit, int size, int samples) {
-  const RenderScene scene = kit.compile();
+void expect_same_picture(const SceneKit& kit, int size, int samples, const CompileOptions& options = {}) {
+  const RenderScene scene = kit.compile(options);
   const SampledPicture chosen = sampled_picture(render(scene, kIntoRoom, square_settings(size, 8 * samples, 3)));
   RenderSettings all = square_settings(size, samples, 3);
   all.light_samples = 1;
@@ -60,6 +60,14 @@ TEST(ManyLights, ChoosingOneAgreesWithAskingAll) {
   SceneKit kit = room();
   add_lamps(kit);
   expect_same_picture(kit, 32, 160);
+}
+
+TEST(ManyLights, ChoosingOneByPowerAgreesWithAskingAll) {
+  SceneKit kit = room();
+  add_lamps(kit);
+  CompileOptions options;
+  options.light_tree = false;
+  expect_same_picture(kit, 32, 160, options);
 }
 
 TEST(ManyLights, ChoosingOneAgreesWithAskingAllInFog) {

@@ -43,6 +43,7 @@ SeedMeans with(const Technique& technique, const Place& place, const RenderScene
   settings.reuse = technique.reuse;
   settings.cache = technique.cache;
   settings.sampler = technique.sampler;
+  settings.splitting = technique.splitting;
   settings.memory_limit = technique.memory_limit;
   settings.samples_per_pixel = look.samples;
   return means_of(place, scene, settings, look.seeds);

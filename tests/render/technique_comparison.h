@@ -23,6 +23,7 @@ struct Technique {
   IntegratorKind integrator = IntegratorKind::path;
   Use photons = Use::off, reuse = Use::off, cache = Use::off;
   SamplerKind sampler = SamplerKind::sobol;
+  Use splitting = Use::automatic;
   std::uint64_t memory_limit = RenderSettings().memory_limit;
 };
 

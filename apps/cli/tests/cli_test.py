@@ -241,9 +241,12 @@ class Inputs(CliTest):
 
 class Techniques(CliTest):
     def test_all_can_be_chosen(self):
-        for flag in ("--photons", "--reuse", "--cache", "--airlight"):
+        for flag in ("--photons", "--reuse", "--cache", "--airlight", "--splitting"):
             for value in ("auto", "on", "off"):
                 self.render("-o", "o.png", flag, value)
+        for value in ("on", "off"):
+            self.render("-o", "o.png", "--light-tree", value)
+        self.render("-o", "o.png", "--splitting", "on", "--integrator", "path")
         self.render("-o", "o.png", "--clamp", "2.5")
         for size in ("1M", "1048576", "2048K", "1.5G", "2T"):
             self.render("-o", "o.png", "--memory-limit", size)
@@ -256,6 +259,8 @@ class Techniques(CliTest):
                 ("--reuse maybe", "--reuse"), ("--reuse onn", "did you mean on?"),
                 ("--cache 1", "--cache"), ("--cache of", "one of auto, on, off"), ("--cache=", "--cache"),
                 ("--airlight true", "--airlight"), ("--airlihgt on", "did you mean --airlight?"),
+                ("--splitting maybe", "one of auto, on, off"), ("--splitting", "--splitting needs"),
+                ("--light-tree auto", '--light-tree needs one of on, off, not "auto"'), ("--light-tree", "--light-tree"),
                 ("--clamp 0", "--clamp needs a number"), ("--clamp -1", "--clamp"), ("--clamp nan", "--clamp"),
                 ("--clamp bright", '--clamp needs a number from 1e-06 to 1e+30, not "bright"'),
                 ("--memory-limit 1023K", '--memory-limit needs an amount of at least 1M, such as 512M or 2G, not "1023K"'),

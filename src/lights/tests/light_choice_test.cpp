@@ -90,11 +90,16 @@ std::vector<Receiver> receivers(int count) {
   return out;
 }
 
-TEST(LightChooser, ChoosesAsOftenAsItSays) {
+/// By the tree, or all by power.
+class LightChoosers : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(, LightChoosers, ::testing::Bool(),
+                         [](const auto& test) { return test.param ? "Tree" : "Power"; });
+
+TEST_P(LightChoosers, ChooseAsOftenAsTheySay) {
   std::vector<Light> lights = soup(4);
   lights.push_back(UniformLight{Spectrum(0.5f), true});
   lights.push_back(DirectionalLight{{0, 1, 0}, Spectrum(2)});
-  const LightChooser chooser(lights, kScene);
+  const LightChooser chooser(lights, kScene, GetParam());
   std::vector<std::uint32_t> first(lights.size() + 1, 0);
   for (std::size_t i = 0; i < lights.size(); ++i) first[i + 1] = first[i] + part_count(lights[i]);
   TestFamily family;
@@ -134,9 +139,9 @@ TEST(LightChooser, ProbabilitiesSumToOne) {
   }
 }
 
-TEST(LightChooser, ForgetsNoLightThatShines) {
+TEST_P(LightChoosers, ForgetNoLightThatShines) {
   const std::vector<Light> lights = soup(20);
-  const LightChooser chooser(lights, kScene);
+  const LightChooser chooser(lights, kScene, GetParam());
   Random random(7);
   int shining = 0;
   for (const Receiver& at : receivers(200))
