@@ -148,6 +148,9 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
   flags::number(app, "--clamp", s.clamp, Range{1e-6f, kHuge}, "X",
                 "No sample counts as brighter than this; biased (default: off)")
       ->group("Sampling");
+  app.add_flag("--outliers", s.doubts_outliers,
+               "Bright samples unlike all others around count for less; biased, the less the more samples")
+      ->group("Sampling");
   flags::number(app, "--seed", s.seed, Range<std::uint64_t>{0, std::numeric_limits<std::uint64_t>::max()}, "N",
                 "Another seed is another noise (default 0)")
       ->group("Sampling");
@@ -239,8 +242,10 @@ void add_machine_flags(CLI::App& app, RenderFlags& f) {
 /// A render that cannot fit into the machine's memory would be killed half-way.
 void check_memory(const RenderSettings& s, const CropWindow& part) {
   constexpr double kBytesPerPixel = 250;  // film, picture with all its channels, encoded file
-  constexpr double kBytesToDenoise = 700;
-  const double needed = (kBytesPerPixel + (s.for_denoising ? kBytesToDenoise : 0)) * part.width * part.height;
+  constexpr double kBytesToDenoise = 700, kBytesForOutliers = 192;
+  const double needed =
+      (kBytesPerPixel + (s.for_denoising ? kBytesToDenoise : 0) + (s.doubts_outliers ? kBytesForOutliers : 0)) *
+      part.width * part.height;
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   if (needed > memory)
     fail(
@@ -330,6 +335,8 @@ RenderOptions settled(const RenderFlags& f) {
   if (o.outputs.empty() && !o.preview) fail("render needs a place for the picture: add -o FILE.png (or .exr)");
   check_camera(f);
   if (f.hemisphere && f.integrator) fail("--hemisphere and --integrator both say what to compute; give one of them");
+  if (o.settings.doubts_outliers && o.settings.for_denoising)
+    fail("--outliers and --denoise both deal with bright dots; give one of them");
   o.settings.integrator = f.hemisphere ? IntegratorKind::hemisphere : f.integrator.value_or(IntegratorKind::automatic);
   if (f.adaptive && f.adaptive->tolerance > 0) o.settings.adaptive = f.adaptive;
   const bool ends_otherwise = o.time_limit_seconds || o.noise_target;

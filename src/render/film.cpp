@@ -72,6 +72,8 @@ PixelSums PixelSums::since(const PixelSums& earlier) const {
 void Film::add(int x, int y, std::span<const PixelSample> samples, std::size_t in_first_half) {
   PixelSums& pixel = at(x, y);
   for (const PixelSample& sample : samples) pixel.add(sample);
+  if (!cascades_.empty())
+    for (const PixelSample& sample : samples) cascades_.add(x, y, sample.radiance * sample.weight);
   if (!keeps_half()) return;
   PixelSums& half = first_half_[static_cast<std::size_t>(y) * width_ + x];
   for (const PixelSample& sample : samples.first(in_first_half)) half.add(sample);
@@ -82,7 +84,12 @@ Image Film::beauty() const {
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     const PixelSums& p = pixels_[i];
     const double scale = p.samples > 0 ? 1.0 / p.samples : 0.0;
-    for (int c = 0; c < 3; ++c) image.pixels()[i][c] = static_cast<float>(p.sum[c] * scale);
+    const auto at = static_cast<int>(i);
+    const Spectrum doubtful = cascades_.empty() ? Spectrum(0) : cascades_.doubtful(at % width_, at / width_);
+    for (int c = 0; c < 3; ++c) {
+      const double sum = std::max(p.sum[c] - doubtful[c], std::min(p.sum[c], 0.0));  // rounding darkens nothing below 0
+      image.pixels()[i][c] = static_cast<float>(sum * scale);
+    }
   }
   return image;
 }

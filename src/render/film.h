@@ -9,6 +9,7 @@
 #include "image/image.h"
 #include "math/spectrum.h"
 #include "math/vec.h"
+#include "render/cascades.h"
 
 namespace etendue {
 
@@ -47,11 +48,13 @@ struct PixelSums {
 /// The picture in the making.
 class Film {
  public:
-  /// With `keeps_half`, what the first half of the samples gave is summed on its own as well, for denoising.
-  Film(int width, int height, bool keeps_half = false)
+  /// With `keeps_half`, what the first half of the samples gave is summed on its own as well, for denoising. With
+  /// `doubts_outliers`, lone bright samples count for less in the beauty.
+  Film(int width, int height, bool keeps_half = false, bool doubts_outliers = false)
       : width_(width),
         pixels_(static_cast<std::size_t>(width) * height),
-        first_half_(keeps_half ? pixels_.size() : std::size_t{0}) {}
+        first_half_(keeps_half ? pixels_.size() : std::size_t{0}),
+        cascades_(doubts_outliers ? Cascades(width, height) : Cascades()) {}
 
   int width() const { return width_; }
   int height() const { return static_cast<int>(pixels_.size()) / width_; }
@@ -76,6 +79,7 @@ class Film {
   int width_;
   std::vector<PixelSums> pixels_;
   std::vector<PixelSums> first_half_;  ///< empty unless kept
+  Cascades cascades_;                  ///< empty unless outliers are doubted
 };
 
 }  // namespace etendue

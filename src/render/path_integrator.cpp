@@ -16,9 +16,10 @@ constexpr int kBatch = Geometry::kBatch;
 constexpr int kReuseSide = 4;
 static_assert(kReuseSide * kReuseSide <= std::min(kBatch, PixelBlock::kMost));
 
-/// Pixels that share have as many samples; and denoisers expect them to know nothing of each other.
+/// Pixels that share have as many samples; and those who denoise or doubt expect them to know nothing of each other.
 bool shares_paths(const RenderSettings& settings) {
-  if (settings.adaptive || (settings.for_denoising && settings.reuse != Use::on)) return false;
+  const bool compares = settings.for_denoising || settings.doubts_outliers;
+  if (settings.adaptive || (compares && settings.reuse != Use::on)) return false;
   return uses(settings, settings.reuse);
 }
 

@@ -94,7 +94,7 @@ struct RenderSession::Impl {
         settings(chosen),
         window(chosen.crop.value_or(CropWindow{0, 0, chosen.width, chosen.height})),
         integrator(make_integrator(scene.data(), camera, settings)),
-        film(window.width, window.height, chosen.for_denoising),
+        film(window.width, window.height, chosen.for_denoising, chosen.doubts_outliers),
         blocks(integrator->block_side(), settings, window) {
     if (!settings.for_denoising) return;
     RenderSettings other = settings;
@@ -268,7 +268,11 @@ void RenderSession::render_pass(std::stop_token stop, int samples) {
 }
 
 std::string RenderSession::estimator() const {
-  if (impl_->settings.clamp) return fmt::format("biased: no sample is brighter than {:g}", *impl_->settings.clamp);
+  const RenderSettings& s = impl_->settings;
+  const std::string outliers = "lone bright samples count for less, fewer with more samples";
+  if (s.clamp)
+    return fmt::format("biased: no sample is brighter than {:g}{}", *s.clamp, s.doubts_outliers ? ", " + outliers : "");
+  if (s.doubts_outliers) return "biased: " + outliers;
   return std::string(impl_->integrator->promise());
 }
 

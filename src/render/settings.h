@@ -54,9 +54,10 @@ struct RenderSettings {
   scene::ReconstructionFilter filter;  ///< how samples near a pixel count towards it
   std::uint64_t seed = 0;
   std::optional<AdaptiveSampling> adaptive;
-  std::optional<float> clamp;  ///< luminance that no sample exceeds; biased
-  bool for_denoising = false;  ///< make the samples two independent halves, and keep both
-  int tile_size = 16;          ///< pixels along the side of a unit of work; changes no pixel
+  std::optional<float> clamp;    ///< luminance that no sample exceeds; biased
+  bool doubts_outliers = false;  ///< lone bright samples count for less (Cascades); biased, the less the more samples
+  bool for_denoising = false;    ///< make the samples two independent halves, and keep both
+  int tile_size = 16;            ///< pixels along the side of a unit of work; changes no pixel
   /// Bytes that photons and what is recorded for lookups may take; where there are many, fewer are made.
   std::uint64_t memory_limit = std::uint64_t{512} << 20;
 };

@@ -247,6 +247,7 @@ class Techniques(CliTest):
         for value in ("on", "off"):
             self.render("-o", "o.png", "--light-tree", value)
         self.render("-o", "o.png", "--splitting", "on", "--integrator", "path")
+        self.assertIn("the estimate is biased: lone bright samples", self.render("-o", "o.png", "--outliers").stderr)
         self.render("-o", "o.png", "--clamp", "2.5")
         for size in ("1M", "1048576", "2048K", "1.5G", "2T"):
             self.render("-o", "o.png", "--memory-limit", size)
@@ -261,6 +262,8 @@ class Techniques(CliTest):
                 ("--airlight true", "--airlight"), ("--airlihgt on", "did you mean --airlight?"),
                 ("--splitting maybe", "one of auto, on, off"), ("--splitting", "--splitting needs"),
                 ("--light-tree auto", '--light-tree needs one of on, off, not "auto"'), ("--light-tree", "--light-tree"),
+                ("--outliers=maybe", "--outliers"), ("--outliers off", "off"), ("--outlier", "--outliers"),
+                ("--outliers --denoise", "--outliers and --denoise both deal with bright dots; give one of them"),
                 ("--clamp 0", "--clamp needs a number"), ("--clamp -1", "--clamp"), ("--clamp nan", "--clamp"),
                 ("--clamp bright", '--clamp needs a number from 1e-06 to 1e+30, not "bright"'),
                 ("--memory-limit 1023K", '--memory-limit needs an amount of at least 1M, such as 512M or 2G, not "1023K"'),
@@ -291,6 +294,9 @@ class Techniques(CliTest):
             self.assertRegex(estimator(*words.split()), "^consistent: cells ", words)
         for words in ("--clamp 3", "--clamp 3 --integrator path"):
             self.assertRegex(estimator(*words.split()), "^biased: no sample is brighter than 3$", words)
+        lone = "lone bright samples count for less, fewer with more samples$"
+        self.assertRegex(estimator("--outliers"), "^biased: " + lone)
+        self.assertRegex(estimator("--outliers", "--clamp", "3"), "^biased: no sample is brighter than 3, " + lone)
 
 
 class Outputs(CliTest):
