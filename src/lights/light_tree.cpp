@@ -13,10 +13,10 @@ namespace {
 constexpr int kBins = 12;
 /// From this depth on nodes are halved by count, so that no trail has more than 32 steps.
 constexpr int kEvenDepth = 16;
-/// Directions and places are rounded: so much farther, in cosine, bounds are believed to shine.
+/// Directions and places are rounded: so much farther, as a share of the distance, bounds are believed to reach.
 constexpr float kSlack = 1e-3f;
-/// A cosine counts for at least this: bounds are coarse.
-constexpr float kLeastCosine = 1e-2f;
+/// A mean cosine is at least this: it is an estimate.
+constexpr float kLeastCosine = 5e-3f;
 /// What acos may be off by.
 constexpr float kAngleError = 5e-4f;
 /// A light counts for at least this share of the mean one: its brightness is an estimate.
@@ -251,6 +251,8 @@ class LightTree::Builder {
     const DirectionCone cone = cone_of(group);
     float cos_emission = 1;
     for (const Item& item : group.items) cos_emission = std::min(cos_emission, lights_[item.light].cos_emission);
+    const float widest = std::min(cone.angle + std::acos(cos_emission) + kAngleError, kPi);
+    const bool has_axis = cone.angle < kPi;
     node.x[i] = sphere.center.x;
     node.y[i] = sphere.center.y;
     node.z[i] = sphere.center.z;
@@ -258,9 +260,10 @@ class LightTree::Builder {
     node.axis_x[i] = cone.axis.x;
     node.axis_y[i] = cone.axis.y;
     node.axis_z[i] = cone.axis.z;
-    node.cos_normals[i] = std::cos(cone.angle);
-    node.sin_normals[i] = std::sin(cone.angle);
-    node.cos_emission[i] = cos_emission;
+    node.cos_widest[i] = std::cos(widest);
+    node.sin_widest[i] = std::sin(widest);
+    node.alike[i] =
+        has_axis ? static_cast<float>(std::min(group.summary.resultant.length() / group.summary.intensity, 1.0)) : 0;
     node.intensity[i] = static_cast<float>(group.summary.intensity * scale_);
   }
 
@@ -283,55 +286,44 @@ using Int4 [[gnu::vector_size(16)]] = std::int32_t;
 Float4 splat(float x) {
   return Float4{x, x, x, x};
 }
-Float4 select(Int4 condition, Float4 yes, Float4 no) {
-  return condition ? yes : no;
-}
 Float4 root(Float4 x) {
   return Float4{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
 }
 Float4 at_least(Float4 x, float low) {
-  return select(x > splat(low), x, splat(low));
+  return x > splat(low) ? x : splat(low);
 }
-
-/// Cosine of max(0, a − b) for angles in [0, π] given by cosine and sine.
-Float4 cos_of_difference(Float4 cos_a, Float4 sin_a, Float4 cos_b, Float4 sin_b) {
-  return select(cos_a > cos_b, splat(1), cos_a * cos_b + sin_a * sin_b);
-}
-Float4 sin_of_difference(Float4 cos_a, Float4 sin_a, Float4 cos_b, Float4 sin_b) {
-  return select(cos_a > cos_b, splat(0), sin_a * cos_b - cos_a * sin_b);
-}
-/// Of an angle up to π by its cosine; the other way round up to π / 2.
-Float4 sine(Float4 cosine) {
-  return root(at_least(splat(1) - cosine * cosine, 0));
+/// Mean of max(0, X) for an X of this mean and about this variance.
+Float4 positive_part(Float4 mean, Float4 variance) {
+  return splat(0.5f) * (mean + root(mean * mean + variance));
 }
 
 }  // namespace
 
-/// What each child may give at most, roughly: as if all its light sat in the middle of its bounds and shone as steeply
-/// as any of it may (their eq. 3). Within the bounding sphere, every direction is possible, and the distance is the
-/// radius.
+/// What each child is likely to give: as if its light filled its bounds evenly, with as many normals about their mean
+/// as its length says. Conty Estevez and Kulla's eq. 3 has bounds of the cosines instead, which say little where bounds
+/// are near or wide, and the distance of the middle. Nothing where the bounds exclude it.
 LightTree::Float4 LightTree::irradiances(const Node& node, const Receiver& at) {
   constexpr float kLeastDistance2 = 1e-24f;
   const Float4 dx = node.x - splat(at.position.x), dy = node.y - splat(at.position.y),
                dz = node.z - splat(at.position.z);
-  const Float4 d2 = dx * dx + dy * dy + dz * dz, radius2 = node.radius * node.radius;
-  const Int4 inside = d2 <= radius2;
-  const Float4 inverse2 = splat(1) / at_least(select(inside, radius2, d2), kLeastDistance2);
-  const Float4 inverse = root(inverse2);
-  // The angle under which the sphere's radius is seen.
-  const Float4 sin_seen = node.radius * inverse, cos_seen = sine(sin_seen);
-  const Float4 cos_axis = -(node.axis_x * dx + node.axis_y * dy + node.axis_z * dz) * inverse;
-  const Float4 sin_axis = sine(cos_axis);
-  const Float4 cos_normal = cos_of_difference(cos_axis, sin_axis, node.cos_normals, node.sin_normals);
-  const Float4 sin_normal = sin_of_difference(cos_axis, sin_axis, node.cos_normals, node.sin_normals);
-  const Float4 cosine = select(inside, splat(1), cos_of_difference(cos_normal, sin_normal, cos_seen, sin_seen));
-  Float4 out = node.intensity * inverse2 * at_least(cosine, kLeastCosine);
-  out = select(cosine < node.cos_emission - splat(kSlack), splat(0), out);
+  const Float4 d2 = dx * dx + dy * dy + dz * dz;
+  // Of points in a box, from its middle: a third of the squared half diagonal.
+  const Float4 spread = node.radius * node.radius * splat(1.0f / 3);
+  const Float4 mean_d2 = at_least(d2 + spread, kLeastDistance2), inverse2 = splat(1) / mean_d2,
+               inverse = root(inverse2);
+  const Float4 along = -(node.axis_x * dx + node.axis_y * dy + node.axis_z * dz);
+  const Float4 across = root(at_least(d2 - along * along, 0));
+  // Normals in all directions give a quarter of what the same light facing the receiver would.
+  const Float4 scatter = splat(0.25f) * (splat(1) - node.alike * node.alike) * mean_d2;
+  const Float4 cosine = positive_part(along * node.alike, scatter + spread) * inverse;
+  const Float4 reach = node.radius + splat(kSlack) * mean_d2 * inverse;
+  const Int4 dark = across * node.cos_widest - along * node.sin_widest > reach;  // so far is the cone away
+  const Float4 out = dark ? splat(0) : node.intensity * inverse2 * at_least(cosine, kLeastCosine);
   const Vec3& n = at.normal;
   if (n.x == 0 && n.y == 0 && n.z == 0) return out;
-  const Float4 cos_lit = (splat(n.x) * dx + splat(n.y) * dy + splat(n.z) * dz) * inverse;
-  const Float4 lit = select(inside, splat(1), cos_of_difference(cos_lit, sine(cos_lit), cos_seen, sin_seen));
-  return select(lit < splat(-kSlack), splat(0), out * at_least(lit, kLeastCosine));
+  const Float4 height = splat(n.x) * dx + splat(n.y) * dy + splat(n.z) * dz;
+  const Float4 lit = positive_part(height, spread) * inverse;
+  return height < -reach ? splat(0) : out * at_least(lit, kLeastCosine);
 }
 
 namespace {

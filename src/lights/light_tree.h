@@ -11,8 +11,8 @@ namespace etendue {
 
 /// Chooses among many lights by what they may give to a point: a hierarchy of their bounds, descended by the
 /// irradiance that each child promises (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive
-/// Tree Splitting", sections 4 and 5.2, without splitting). Nodes have four children, which are estimated together.
-/// Built in the same way every time, in O(n log n).
+/// Tree Splitting", section 4, without splitting; the promise is a mean, not their bound). Nodes have four children,
+/// which are estimated together. Built in the same way every time, in O(n log n).
 class LightTree {
  public:
   LightTree() = default;
@@ -40,10 +40,11 @@ class LightTree {
  private:
   using Float4 [[gnu::vector_size(16)]] = float;
 
-  /// Four children's bounds: spheres around their boxes, and their cones.
+  /// Four children's bounds: spheres around their boxes, and cones into which they shine.
   struct alignas(64) Node {
     Float4 x, y, z, radius;
-    Float4 axis_x, axis_y, axis_z, cos_normals, sin_normals, cos_emission;
+    Float4 axis_x, axis_y, axis_z, cos_widest, sin_widest;
+    Float4 alike;            ///< length of the mean of their normals, each × intensity, which is along the axis
     Float4 intensity;        ///< in multiples of unit_; 0: there is no such child
     std::uint32_t child[4];  ///< another node, or kLeaf | light
   };
