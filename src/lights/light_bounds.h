@@ -28,6 +28,15 @@ struct Receiver {
   Point3 position;
   Vec3 normal{0, 0, 0};  ///< unit: nothing comes from behind it, what comes from before it by its cosine; zero: light
                          ///< counts from every side
+  Vec3 to_viewer{0, 0, 0};  ///< unit, on the normal's side, if some of it is gloss
+  float gloss = 0;          ///< share of GGX microfacets in what it scatters
+  float width2 = 0;         ///< their α²
+
+  Receiver moved_to(const Point3& other) const {
+    Receiver out = *this;
+    out.position = other;
+    return out;
+  }
 };
 
 }  // namespace etendue

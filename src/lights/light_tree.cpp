@@ -292,6 +292,9 @@ Float4 root(Float4 x) {
 Float4 at_least(Float4 x, float low) {
   return x > splat(low) ? x : splat(low);
 }
+Float4 square(Float4 x) {
+  return x * x;
+}
 /// Mean of max(0, X) for an X of this mean and about this variance.
 Float4 positive_part(Float4 mean, Float4 variance) {
   return splat(0.5f) * (mean + root(mean * mean + variance));
@@ -322,7 +325,19 @@ LightTree::Float4 LightTree::irradiances(const Node& node, const Receiver& at) {
   const Vec3& n = at.normal;
   if (n.x == 0 && n.y == 0 && n.z == 0) return out;
   const Float4 height = splat(n.x) * dx + splat(n.y) * dy + splat(n.z) * dz;
-  const Float4 lit = positive_part(height, spread) * inverse;
+  Float4 lit = positive_part(height, spread) * inverse;
+  if (at.gloss > 0) {
+    // Walter et al. 2007, eqs. 20 and 33, without shadowing: half vectors are as far apart as lights / their length.
+    const Vec3& v = at.to_viewer;
+    const float cos_viewer = dot(n, v);
+    const Float4 h2 =
+        at_least(splat(1) + (d2 * inverse + splat(2) * (splat(v.x) * dx + splat(v.y) * dy + splat(v.z) * dz)) * inverse,
+                 kLeastCosine);
+    const Float4 cos2 = square(height * inverse + splat(cos_viewer)) / h2;
+    const Float4 width2 = splat(at.width2) + spread * inverse2 / h2;
+    const Float4 gleam = width2 / square(splat(1) - cos2 + width2 * cos2);
+    lit = splat(1 - at.gloss) * lit + splat(at.gloss / (4 * std::max(cos_viewer, kLeastCosine))) * gleam;
+  }
   return height < -reach ? splat(0) : out * at_least(lit, kLeastCosine);
 }
 

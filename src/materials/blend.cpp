@@ -29,6 +29,18 @@ Spectrum BlendBsdf::albedo() const {
   return std::visit(value, first) * (1 - weight) + std::visit(value, second) * weight;
 }
 
+Gloss BlendBsdf::gloss() const {
+  const float whole = albedo().luminance();
+  const auto of = [&](const LeafBsdf& leaf, float share) {
+    const auto* metal = std::get_if<ConductorBsdf>(&leaf);
+    return metal != nullptr && whole > 0
+               ? Gloss{share * metal->albedo().luminance() / whole, metal->microfacets.widest()}
+               : Gloss{};
+  };
+  const Gloss a = of(first, 1 - weight), b = of(second, weight);
+  return a.share > b.share ? a : b;
+}
+
 bool BlendBsdf::is_delta() const {
   const auto value = [](const auto& bsdf) { return bsdf.is_delta(); };
   return std::visit(value, first) && std::visit(value, second);

@@ -49,6 +49,12 @@ Spectrum albedo(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return b.albedo(); }, bsdf);
 }
 
+Gloss gloss(const Bsdf& bsdf) {
+  if (const auto* metal = std::get_if<ConductorBsdf>(&bsdf)) return {1, metal->microfacets.widest()};
+  if (const auto* blend = std::get_if<BlendBsdf>(&bsdf)) return blend->gloss();
+  return {};
+}
+
 Spectrum straight_through(const Bsdf& bsdf, const Vec3& wo) {
   if (const auto* glass = std::get_if<DielectricBsdf>(&bsdf)) return glass->straight_through(wo);
   if (const auto* blend = std::get_if<BlendBsdf>(&bsdf)) return blend->straight_through(wo);

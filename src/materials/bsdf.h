@@ -12,6 +12,12 @@
 /// between the outside (z > 0) and an inside do not. An `ior` is the index inside / outside.
 namespace etendue {
 
+/// What of a BSDF is reflection by rough metal.
+struct Gloss {
+  float share = 0;  ///< of its luminance
+  float width = 0;  ///< the microfacets'
+};
+
 /// Lambertian reflection.
 struct DiffuseBsdf {
   Spectrum reflectance;
@@ -141,6 +147,7 @@ struct BlendBsdf {
   BsdfEval eval(const Vec3& wo, const Vec3& wi, TransportMode mode) const;
   std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u, float choice, TransportMode mode) const;
   Spectrum albedo() const;
+  Gloss gloss() const;  ///< the brighter one
   bool is_delta() const;
   bool transmits() const;
   Spectrum straight_through(const Vec3& wo) const;
@@ -156,6 +163,7 @@ bool is_delta(const Bsdf& bsdf);
 /// True if eval_bsdf may be positive for directions on different sides: lights behind the surface count.
 bool transmits(const Bsdf& bsdf);
 Spectrum albedo(const Bsdf& bsdf);
+Gloss gloss(const Bsdf& bsdf);
 /// Share of the light from −wo that comes straight through to wo, what Lobe::straight samples: 0 but for thin panes.
 Spectrum straight_through(const Bsdf& bsdf, const Vec3& wo);
 

@@ -200,18 +200,19 @@ void PathBatch::sample_chosen_lights(int bounce, std::uint32_t seeking, int samp
   if (!scene_.light_choice.is_certain())
     sampler_.points(dimension::at(bounce, dimension::kLightChoice), index, count_ * samples, choice, more, samples);
   sampler_.points(dimension::at(bounce, dimension::position(0)), index, count_ * samples, x, y, samples);
+  Receiver at[kBatch];
+  int path[kBatch];
+  std::size_t n = 0;
+  for (std::uint32_t left = seeking; left != 0; left &= left - 1) {
+    path[n] = std::countr_zero(left);
+    at[n] = receiver(vertices_[path[n]]);
+    ++n;
+  }
   for (int k = 0; k < samples; ++k) {
-    Receiver at[kBatch];
     double u[kBatch];
     std::optional<LightChooser::Choice> chosen[kBatch];
-    int path[kBatch];
-    std::size_t n = 0;
-    for (std::uint32_t left = seeking; left != 0; left &= left - 1) {
-      const int i = std::countr_zero(left);
-      at[n] = receiver(vertices_[i]);
-      u[n] = fine_uniform({choice[i * samples + k], more[i * samples + k]});
-      path[n++] = i;
-    }
+    for (std::size_t j = 0; j < n; ++j)
+      u[j] = fine_uniform({choice[path[j] * samples + k], more[path[j] * samples + k]});
     scene_.light_choice.sample(std::span<const Receiver>(at, n), std::span<const double>(u, n), std::span(chosen, n));
     std::uint32_t waiting = 0;  // bit j: the j-th of them has a light still to be asked
     for (std::size_t j = 0; j < n; ++j) waiting |= chosen[j] ? 1u << j : 0u;

@@ -22,7 +22,8 @@ MaterialPoint material_point(const RenderScene::Data& scene, const Material& mat
 Receiver receiver(const Vertex& vertex) {
   if (vertex.scattering.transmits()) return {vertex.surface.position};
   const Vec3& n = vertex.surface.geometric_normal;
-  return {vertex.surface.position, dot(n, vertex.wo) < 0 ? -n : n};
+  const Gloss gloss = vertex.scattering.gloss();
+  return {vertex.surface.position, dot(n, vertex.wo) < 0 ? -n : n, vertex.wo, gloss.share, square(gloss.width)};
 }
 
 Vertex find_vertex(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {

@@ -436,7 +436,7 @@ bool VolumePathIntegrator::Walk::meet_surface(const RayHit& hit) {
     return LitView{scattering.eval(wi), same_side ? from : offset_origin(vertex.surface, wi),
                    medium_beyond(shape, ng, wi, medium_)};
   };
-  if (looks_for_lights && !seeks_record()) add_direct_light({from, receiver(vertex).normal}, false, view);
+  if (looks_for_lights && !seeks_record()) add_direct_light(receiver(vertex).moved_to(from), false, view);
   const std::optional<RadianceRecord> record = record_at(vertex);
   if (const auto* light = known(record)) {
     sample_.radiance += throughput_ * scattering.albedo() * light->radiance;
@@ -456,7 +456,7 @@ bool VolumePathIntegrator::Walk::meet_surface(const RayHit& hit) {
     if (!may_bounce()) return false;
     pdf_scatter_ = sample->pdf;
     survival_ = 1;
-    scattered_at_ = {start, receiver(vertex).normal};
+    scattered_at_ = receiver(vertex).moved_to(start);
     from_camera_ = false;
     if (!sample->is_delta()) ++scatterings_;
     ++depth_;

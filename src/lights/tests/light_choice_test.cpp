@@ -77,13 +77,22 @@ std::vector<Light> soup(int rounds) {
   return lights;
 }
 
-/// On and beside the lights, far away, facing all ways or none.
+/// Seen from the side that it faces, as half of it were metal of that width.
+Receiver glossy(Receiver at, const Vec3& viewer, float width) {
+  at.to_viewer = dot(viewer, at.normal) < 0 ? -viewer : viewer;
+  at.gloss = 0.5f;
+  at.width2 = square(width);
+  return at;
+}
+
+/// On and beside the lights, far away, facing all ways or none, some of them glossy.
 std::vector<Receiver> receivers(int count) {
   Random random(9);
   std::vector<Receiver> out;
   for (int i = 0; i < count; ++i) {
     const float extent = i % 5 == 0 ? 100.0f : 4.0f;
     out.push_back({somewhere(random, extent), i % 3 == 0 ? Vec3(0) : random.direction()});
+    if (i % 3 == 1) out.back() = glossy(out.back(), random.direction(), std::pow(10.0f, random.between(-3, 0)));
   }
   out.push_back({{0, 1, 0}, {0, 1, 0}});        // in the plane of the quads
   out.push_back({{0, 0.9999f, 0}, {1, 0, 0}});  // just before it
@@ -200,14 +209,20 @@ TEST(LightChooser, IsTheSameEveryTime) {
       ASSERT_EQ(one.probability(at, light, 0), other.probability(at, light, 0));
 }
 
-/// A hall's ceiling of 4096 lamps: the irradiance by one sample varies far less than by lamps chosen alike.
-TEST(LightChooser, FindsTheLampsThatMatter) {
+/// A hall's ceiling of 64 × 64 lamps.
+std::vector<Light> ceiling() {
   std::vector<Light> lights;
   for (int i = 0; i < 64; ++i)
     for (int j = 0; j < 64; ++j) {
       const Point3 corner(static_cast<float>(i), 4, static_cast<float>(j));
       lights.push_back(RectangleLight{Rectangle(corner, {0.2f, 0, 0}, {0, 0, 0.2f}), Spectrum(1)});
     }
+  return lights;
+}
+
+/// The irradiance by one sample varies far less than by lamps chosen alike.
+TEST(LightChooser, FindsTheLampsThatMatter) {
+  const std::vector<Light> lights = ceiling();
   const LightChooser chooser(lights, kScene);
   Random random(2);
   RunningMean by_tree, alike;
@@ -225,6 +240,14 @@ TEST(LightChooser, FindsTheLampsThatMatter) {
   const double error = std::hypot(by_tree.standard_error(), alike.standard_error());
   EXPECT_LT(std::abs(by_tree.mean() - alike.mean()), 4 * error);
   EXPECT_LT(by_tree.standard_error() * 5, alike.standard_error());
+}
+
+TEST(LightChooser, FindsTheLampThatGleams) {
+  const LightChooser chooser(ceiling(), kScene);
+  const Receiver matt{{8, 0, 8.5f}, {0, 1, 0}};
+  const std::uint32_t mirrored = 40 * 64 + 8;
+  const Receiver metal = glossy(matt, normalize(Vec3(-32.1f, 4, 0.4f)), 0.05f);
+  EXPECT_GT(chooser.probability(metal, mirrored, 0), 30 * chooser.probability(matt, mirrored, 0));
 }
 
 TEST(LightChooser, AsksTheOnlyLightThereIs) {
