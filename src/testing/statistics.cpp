@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
+
+#include "testing/quadrature.h"
 
 namespace etendue {
 namespace {
@@ -56,6 +59,14 @@ double normal_p(double z) {
   return std::erfc(std::abs(z) / std::sqrt(2.0));
 }
 
+double student_p(double t, double degrees) {
+  // With t = √degrees · tan θ the density is proportional to cos^(degrees − 1) θ.
+  const double norm = std::exp(std::lgamma(0.5 * (degrees + 1)) - std::lgamma(0.5 * degrees));
+  return 2 * norm / std::sqrt(std::numbers::pi) *
+         integrate([&](double theta) { return std::pow(std::cos(theta), degrees - 1); },
+                   std::atan(std::abs(t) / std::sqrt(degrees)), std::numbers::pi / 2);
+}
+
 double sidak(double alpha, std::size_t tests) {
   return -std::expm1(std::log1p(-alpha) / static_cast<double>(std::max<std::size_t>(tests, 1)));
 }
@@ -105,6 +116,22 @@ double RunningMean::p_value(double expected, double tolerance) const {
   const double excess = std::max(std::abs(mean_ - expected) - tolerance, 0.0);
   if (excess == 0) return 1;
   return normal_p(excess / standard_error());
+}
+
+double RunningMean::student_p_value(double expected, double tolerance) const {
+  const double excess = std::max(std::abs(mean_ - expected) - tolerance, 0.0);
+  if (excess == 0) return 1;
+  return student_p(excess / standard_error(), static_cast<double>(count_ - 1));
+}
+
+double RunningMean::p_value(const RunningMean& other, double tolerance) const {
+  const double excess = std::max(std::abs(mean_ - other.mean_) - tolerance, 0.0);
+  if (excess == 0) return 1;
+  const double a = std::pow(standard_error(), 2), b = std::pow(other.standard_error(), 2);
+  if (a + b == 0) return 0;
+  // Welch's and Satterthwaite's degrees of freedom.
+  const auto n = static_cast<double>(count_), m = static_cast<double>(other.count_);
+  return student_p(excess / std::sqrt(a + b), (a + b) * (a + b) / (a * a / (n - 1) + b * b / (m - 1)));
 }
 
 ::testing::AssertionResult TestFamily::holds() const {

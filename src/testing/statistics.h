@@ -19,6 +19,10 @@ double chi_square_p(double statistic, int degrees);
 /// Probability that a standard normal variable is at least |z| away from 0.
 double normal_p(double z);
 
+/// Probability that a variable of Student's t distribution with at most some thousand degrees of freedom is at least
+/// |t| away from 0.
+double student_p(double t, double degrees);
+
 /// Level for each of `tests` independent tests so that all pass with probability 1 − alpha (Šidák 1967).
 double sidak(double alpha, std::size_t tests);
 
@@ -42,6 +46,11 @@ class RunningMean {
   /// That the values' expectation is `expected`, for many values: by the normal distribution. `tolerance` is what
   /// rounding may do.
   double p_value(double expected, double tolerance = 0) const;
+  /// The same for few values that are normally distributed: Student's t-test.
+  double student_p_value(double expected, double tolerance = 0) const;
+  /// That both have one expectation, for few of independent values that are normally distributed: Welch's t-test
+  /// (1947). `tolerance`: by how much expectations may differ.
+  double p_value(const RunningMean& other, double tolerance = 0) const;
 
  private:
   double mean_ = 0, squares_ = 0;

@@ -57,6 +57,13 @@ TEST(ChiSquare, CountsWhatGivesNoDirection) {
   EXPECT_LT(direction_test(SphereGrid(), 100000, sample(0.54f), density).p, 1e-6);
 }
 
+TEST(Student, AgreesWithTables) {  // two-sided 5 %, 1 % and 0.1 % points
+  EXPECT_NEAR(student_p(12.70620, 1), 0.05, 1e-6);
+  EXPECT_NEAR(student_p(-3.169273, 10), 0.01, 1e-7);
+  EXPECT_NEAR(student_p(3.645959, 30), 0.001, 1e-8);
+  EXPECT_NEAR(student_p(1.962339, 1000), 0.05, 1e-6);
+}
+
 TEST(Sidak, LeavesAlphaForAllTogether) {
   EXPECT_DOUBLE_EQ(sidak(0.01, 1), 0.01);
   EXPECT_NEAR(1 - std::pow(1 - sidak(0.01, 1000), 1000), 0.01, 1e-12);
@@ -79,6 +86,31 @@ TEST(RunningMean, KnowsItsError) {
   EXPECT_GT(mean.p_value(0.5), 0.01);
   EXPECT_LT(mean.p_value(0.51), 1e-6);
   EXPECT_GT(mean.p_value(0.51, 0.01), 0.01);
+}
+
+TEST(RunningMean, WelchsTestIsExactForFewValues) {
+  Random random(5);
+  std::vector<double> histogram(10);
+  for (int repetition = 0; repetition < 2000; ++repetition) {
+    RunningMean a, b;
+    const auto normal = [&] {
+      return std::sqrt(-2 * std::log(1 - random.value())) * std::cos(2 * kPi * random.value());
+    };
+    for (int i = 0; i < 6; ++i) a.add(3 + normal());
+    for (int i = 0; i < 8; ++i) b.add(3 + 2 * normal());
+    ++histogram[static_cast<std::size_t>(std::min(a.p_value(b) * 10, 9.0))];
+  }
+  EXPECT_GT(uniform_test(histogram).p, 0.01);
+}
+
+TEST(RunningMean, WelchsTestRefusesOtherExpectations) {
+  RunningMean a, b;
+  for (int i = 0; i < 8; ++i) {
+    a.add(1 + 0.001 * (i % 3));
+    b.add(1.01 + 0.002 * (i % 2));
+  }
+  EXPECT_LT(a.p_value(b), 1e-4);
+  EXPECT_GT(a.p_value(b, 0.01), 0.01);
 }
 
 TEST(Quadrature, IntegratesPeaksAndJumps) {
