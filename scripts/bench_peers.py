@@ -9,7 +9,7 @@ sampling; reading the scene and building its trees are left out for both. The me
   bench_peers.py                                       A is Cycles (Debian: apt-get install blender), B is this renderer
   bench_peers.py --ours-only --flags-a="--integrator path" --flags-b=""     A and B are this renderer
 
-Prints a table, writes OUT/peers.json and the mean pictures. Needs NumPy and OpenImageIO's module (Debian: python3-numpy,
+Prints a table, writes OUT/peers.json, the mean pictures, and OUT/pairs.jpg with one render of each scene by both side by side. Needs NumPy and OpenImageIO's module (Debian: python3-numpy,
 python3-openimageio), which come with the system's Python.
 """
 import argparse
@@ -36,6 +36,7 @@ from estimates import agreement, noise
 ROOT = Path(__file__).resolve().parent.parent
 TIMEOUT = 3600  # seconds, for one picture
 FIRST_SAMPLES = 4  # of the render that tells how long a sample takes
+PAIR_SIZE, PAIR_GAP = 240, 8  # pixels
 
 
 class Failed(Exception):
@@ -68,6 +69,31 @@ def write_pixels(path, pixels):
     picture = oiio.ImageBuf(oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, "float"))
     picture.set_pixels(picture.roi, np.ascontiguousarray(pixels, np.float32))
     picture.write(str(path))
+
+
+def to_screen(pixels):
+    """Linear to sRGB, 8 bits."""
+    linear = np.clip(pixels, 0, 1)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+def write_pairs(path, pairs):
+    """Renders of two programs side by side, the middle of each scene's, at the pictures' own pixels: two scenes a row."""
+    cells = []
+    for pair in pairs:
+        height, width = pair[0].shape[:2]
+        top, left = (height - PAIR_SIZE) // 2, (width - PAIR_SIZE) // 2
+        cells.append(np.concatenate([to_screen(p[top:top + PAIR_SIZE, left:left + PAIR_SIZE]) for p in pair], axis=1))
+    if len(cells) % 2:
+        cells.append(np.ones_like(cells[0]))
+    gap = np.ones((PAIR_SIZE, PAIR_GAP, 3))
+    rows = [np.concatenate([cells[i], gap, cells[i + 1]], axis=1) for i in range(0, len(cells), 2)]
+    sheet = np.concatenate([part for row in rows for part in (row, np.ones((PAIR_GAP, row.shape[1], 3)))][:-1], axis=0)
+    picture = oiio.ImageBuf(oiio.ImageSpec(sheet.shape[1], sheet.shape[0], 3, "uint8"))
+    picture.specmod().attribute("Compression", "jpeg:88")
+    picture.set_pixels(picture.roi, np.ascontiguousarray(sheet, np.float32))
+    if not picture.write(str(path)):
+        raise OSError(f"{path}: {picture.geterror()}")
 
 
 # --- the programs --------------------------------------------------------------------------
@@ -156,7 +182,7 @@ def measured(program, samples, renders, reference):
                     renders[0].notes)
 
 
-def compare(scene, first, second, options, folder):
+def compare(scene, first, second, options, folder, pairs):
     folder.mkdir(parents=True, exist_ok=True)
     counts = [options.spp or samples_for(program, scene, options.define, options.seconds, folder) for program in (first, second)]
     reference = reference_of(scene, options, folder)
@@ -170,6 +196,7 @@ def compare(scene, first, second, options, folder):
         write_pixels(folder / f"{'ab'[k]}-mean.exr", pixels[k].mean(axis=0))
     a, b = (measured(program, counts[k], renders[k], reference) for k, program in enumerate((first, second)))
     same = agreement(*pixels)
+    pairs.append([side[0].pixels for side in renders])
     return {"scene": scene.stem, "a": asdict(a), "b": asdict(b), "ratio": a.cost / b.cost,
             "ratio_trimmed": a.cost_trimmed / b.cost_trimmed, "means": {**asdict(same), "same": same.is_same}}
 
@@ -231,10 +258,10 @@ def main():
         second = Ours(options.etendue, shlex.split(options.ours_flags), options.threads, f"etendue {options.ours_flags}".strip())
     print(f"A: {first.name}, B: {second.name}; {options.seeds} renders each, cost = CPU s x relative variance, A/B above 1: B is better")
     print(HEADER, flush=True)
-    rows, failures, start = [], [], time.monotonic()
+    rows, pairs, failures, start = [], [], [], time.monotonic()
     for scene in scenes:
         try:
-            rows.append(compare(scene, first, second, options, options.out / scene.stem))
+            rows.append(compare(scene, first, second, options, options.out / scene.stem, pairs))
             print(table_line(rows[-1]), flush=True)
         except (Failed, OSError, subprocess.TimeoutExpired) as error:
             failures.append(scene.stem)
@@ -248,6 +275,8 @@ def main():
         result["geometric_mean_trimmed"] = geometric_mean([row["ratio_trimmed"] for row in rows])
         print(f"geometric mean of A/B {result['geometric_mean']:.2f}, without the worst pixels {result['geometric_mean_trimmed']:.2f}")
     options.out.mkdir(parents=True, exist_ok=True)
+    if pairs:
+        write_pairs(options.out / "pairs.jpg", pairs)
     (options.out / "peers.json").write_text(json.dumps(result, indent=2) + "\n")
     print(f"{time.monotonic() - start:.0f} s; wrote {options.out / 'peers.json'}")
     return 1 if failures else 0
