@@ -161,9 +161,9 @@ TEST_P(BenchScenes, TechniquesDoNotChangeMeans) {
   }
 }
 
-/// Plain paths do not find the caustics of the smallest lamps and fog next to a lamp often enough to be compared with:
-/// there what does not change them is compared with plain paths, the rest among techniques, and with plain paths where
-/// lamps are wider and fog is lower.
+/// Plain paths do not find the caustics of the smallest lamps and the sun, and fog next to a lamp, often enough to be
+/// compared with: there what does not change them is compared with plain paths, the rest among techniques, and with
+/// plain paths where lamps are wider and fog is lower.
 const std::vector<Technique> kOnSurfaces{kPhotons, kReuse, kCache, kAll};
 /// Nothing there is for photons to go by.
 const std::vector<Technique> kWithoutMirrors{kReuse, kCache, kAll};
@@ -198,7 +198,12 @@ INSTANTIATE_TEST_SUITE_P(
                    .samples = 2,
                    .seeds = 8,
                    .error = 0.003},
-        Comparison{.name = "MeshInSun", .scene = "d-mesh-sun", .techniques = kOnSurfaces, .error = 0.003},
+        Comparison{.name = "MeshInSun", .scene = "d-mesh-sun", .techniques = {kReuse, kCache}, .seeds = 6},
+        Comparison{.name = "MeshInSunByPhotons",
+                   .scene = "d-mesh-sun",
+                   .reference = kPhotons,
+                   .techniques = {kPhotonsAndCache, kAll},
+                   .error = 0.003},
         Comparison{.name = "AjarDoor",
                    .scene = "e-ajar-door",
                    .techniques = kWithoutMirrors,
@@ -214,6 +219,7 @@ INSTANTIATE_TEST_SUITE_P(
                    .scene = "h-fog-spot",
                    .easier = with_low_fog,
                    .techniques = {kAirlight, kCache, kAll},
+                   .seeds = 20,
                    .error = 0.005}),
     [](const auto& test) { return test.param.name; });
 
