@@ -11,6 +11,13 @@
 
 namespace etendue {
 
+/// Paths that are recorded have random numbers of their own.
+inline constexpr std::uint64_t kRecordSeed = 0x9e3779b97f4a7c15u;
+/// What the cache knows is used where a path's directions are spread over so many sides of its cells.
+inline constexpr float kSpreadInCells = 2;
+/// Steps to the unit in which surfaces' normals are told apart.
+inline constexpr float kNormalSteps = 2;
+
 /// Whether to look up light at all: what neighbouring cells know is not independent, and light needs two bounces
 /// between surfaces to be worth it.
 bool looks_up(const RenderSettings& settings);

@@ -1,5 +1,6 @@
 #include "render/path_batch.h"
 
+#include "render/cache_filler.h"
 #include "render/dimensions.h"
 
 namespace etendue {
@@ -15,13 +16,6 @@ constexpr float kMaxSurvival = 0.99f;
 constexpr float kLeastBranch = 0.01f;
 /// A wave of branches draws random numbers of so many bounces of its own.
 constexpr int kBouncesOfWave = 1 << 16;
-
-/// Paths that are recorded have random numbers of their own.
-constexpr std::uint64_t kRecordSeed = 0x9e3779b97f4a7c15u;
-/// What the cache knows is used where a path's directions are spread over so many sides of its cells.
-constexpr float kSpreadInCells = 2;
-/// Steps to the unit in which normals are told apart.
-constexpr float kNormalSteps = 2;
 
 }  // namespace
 

@@ -313,7 +313,8 @@ void PathBatch::sample_hemisphere(int bounce) {
     const Frame frame = Frame::from_normal(dot(normal, vertex.wo) < 0 ? -normal : normal);
     for (std::int64_t j = 0; j < n; ++j) {
       float u, v;
-      sampler_.points(dimension::at(bounce, dimension::position(0)), sample_number(i, n) + j, 1, &u, &v, static_cast<int>(n));
+      sampler_.points(dimension::at(bounce, dimension::position(0)), sample_number(i, n) + j, 1, &u, &v,
+                      static_cast<int>(n));
       const Vec3 local = sample_hemisphere_uniform({u, v});
       const Vec3 wi = frame.to_world(local);
       const BsdfEval eval = vertex.scattering.eval(wi);

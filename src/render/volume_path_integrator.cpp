@@ -25,14 +25,10 @@ constexpr float kMaxSurvival = 0.99f;
 /// fewer rays. Not where light is looked up: what is recorded serves wherever a path gets there.
 constexpr int kAirlightBounces = 3;
 
-/// Paths that are recorded have random numbers of their own.
-constexpr std::uint64_t kRecordSeed = 0x9e3779b97f4a7c15u;
 /// Places on each of the camera's segments where light is looked up.
 constexpr int kLookups = 8;
-/// What the cache knows is used where a path's directions are spread over so many sides of its cells.
-constexpr float kSpreadInCells = 2;
-/// Steps to the unit in which normals are told apart, and directions where the phase function's g is ½.
-constexpr float kNormalSteps = 2, kDirectionSteps = 4;
+/// Steps to the unit in which directions are told apart where the phase function's g is ½.
+constexpr float kDirectionSteps = 4;
 
 /// The medium into which `direction` leads from a surface, for a path that has come there through `medium`.
 std::uint32_t medium_beyond(const RenderScene::Data::ShapeInfo& shape, const Vec3& geometric_normal,
