@@ -5,6 +5,7 @@ Two programs render each scene in turn, A B A B ..., with independent seeds, eac
 seconds of a picture times its mean relative variance (variance / (mean^2 + 0.01) from the seeds; once more without the worst
 thousandth of pixels), and the ratio of the two, A / B: how many times less work B needs for the same noise. Time is that of
 sampling; reading the scene and building its trees are left out for both. The means are compared too, so that both render one scene.
+With --reference-seconds it is the mean squared error against long renders instead, which counts what is blurred or not found yet.
 
   bench_peers.py                                       A is Cycles (Debian: apt-get install blender), B is this renderer
   bench_peers.py --ours-only --flags-a="--integrator path" --flags-b=""     A and B are this renderer
@@ -31,7 +32,7 @@ try:
 except ImportError as error:
     sys.exit(f"bench_peers.py: Python's module {error.name} is missing; scripts/install-dependencies.sh installs it.")
 
-from estimates import agreement, noise
+from estimates import agreement, error, noise
 
 ROOT = Path(__file__).resolve().parent.parent
 TIMEOUT = 3600  # seconds, for one picture
@@ -162,21 +163,23 @@ def samples_for(program, scene, definitions, seconds, folder):
     return max(2, round(samples * seconds / took))
 
 
-def reference_of(scene, options, folder):
-    """The scene's picture by this renderer, rendered once and kept in the folder; None if none is wanted."""
+def references_of(scene, options, folder):
+    """Two long renders of the scene by this renderer, made once and kept in the folder; None if none are wanted."""
     if not options.reference_seconds:
         return None
-    path = folder / "reference.exr"
-    if not path.is_file():
-        program = Ours(options.etendue, shlex.split(options.reference_flags), options.threads)
-        samples = samples_for(program, scene, options.define, options.reference_seconds, folder)
-        program.render(scene, options.define, samples, 999, folder / "rendering.exr")
-        (folder / "rendering.exr").rename(path)
-    return read_pixels(path)
+    program = Ours(options.etendue, shlex.split(options.reference_flags), options.threads)
+    paths = [folder / f"reference-{k}.exr" for k in (1, 2)]
+    for k, path in enumerate(paths):
+        if not path.is_file():
+            samples = samples_for(program, scene, options.define, options.reference_seconds, folder)
+            program.render(scene, options.define, samples, 9000 + k, folder / "rendering.exr")
+            (folder / "rendering.exr").rename(path)
+    return [read_pixels(path) for path in paths]
 
 
-def measured(program, samples, renders, reference):
-    found = noise(np.stack([r.pixels for r in renders]), reference)
+def measured(program, samples, renders, references):
+    pictures = np.stack([r.pixels for r in renders])
+    found = error(pictures, references) if references else noise(pictures)
     seconds = float(np.median([r.seconds for r in renders]))
     return Measured(program.name, samples, seconds, found.all, found.trimmed, seconds * found.all, seconds * found.trimmed,
                     renders[0].notes)
@@ -185,7 +188,7 @@ def measured(program, samples, renders, reference):
 def compare(scene, first, second, options, folder, pairs):
     folder.mkdir(parents=True, exist_ok=True)
     counts = [options.spp or samples_for(program, scene, options.define, options.seconds, folder) for program in (first, second)]
-    reference = reference_of(scene, options, folder)
+    references = references_of(scene, options, folder)
     renders = ([], [])
     for seed in range(options.seeds):
         for k, program in enumerate((first, second)):
@@ -194,7 +197,7 @@ def compare(scene, first, second, options, folder, pairs):
     pixels = [np.stack([r.pixels for r in side]) for side in renders]
     for k in (0, 1):
         write_pixels(folder / f"{'ab'[k]}-mean.exr", pixels[k].mean(axis=0))
-    a, b = (measured(program, counts[k], renders[k], reference) for k, program in enumerate((first, second)))
+    a, b = (measured(program, counts[k], renders[k], references) for k, program in enumerate((first, second)))
     same = agreement(*pixels)
     pairs.append([side[0].pixels for side in renders])
     return {"scene": scene.stem, "a": asdict(a), "b": asdict(b), "ratio": a.cost / b.cost,
@@ -227,8 +230,8 @@ def parse_options():
     parser.add_argument("--seconds", type=float, default=10, help="processor time of a render (default 10)")
     parser.add_argument("--spp", type=int, help="samples a pixel instead of --seconds")
     parser.add_argument("--reference-seconds", type=float, default=0, metavar="S",
-                        help="measure variance relative to a render of this long, kept in OUT (default 0: to the mean of the seeds)")
-    parser.add_argument("--reference-flags", default="", help="options of the reference's render, as in \"--integrator path\"")
+                        help="measure the error, blur included, against two renders of this long, kept in OUT (default 0: the variance of the seeds)")
+    parser.add_argument("--reference-flags", default="", help="options of those renders, as in \"--integrator path\"")
     parser.add_argument("--ours-flags", default="", help="options of this renderer beside Cycles")
     parser.add_argument("--ours-only", action="store_true", help="compare --flags-a and --flags-b instead")
     parser.add_argument("--flags-a", default="--integrator path", help="written with an equals sign: --flags-a=\"--integrator path\"")

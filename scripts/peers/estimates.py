@@ -10,18 +10,30 @@ SLACK = 1e-4  # relative: how far two programs' means may be apart by rounding, 
 
 @dataclass
 class Noise:
-    """Mean over pixels and channels of variance / (mean^2 + 0.01), of one render; with and without the worst thousandth of pixels."""
+    """Mean over pixels and channels of the squared error / (mean^2 + 0.01), of one render; with and without the worst thousandth of
+    pixels."""
     all: float
     trimmed: float
 
 
-def noise(pictures, reference=None):
-    """From pictures[seed, y, x, channel], whose own mean it is relative to if there is no reference. Then a pixel with one bright dot
-    counts for no more than the number of seeds, however bright the dot is."""
-    mean = pictures.mean(axis=0) if reference is None else reference
-    relative = (pictures.var(axis=0, ddof=1) / (mean**2 + 0.01)).mean(axis=-1).ravel()
-    worst = max(len(relative) // 1000, 1)
-    return Noise(float(relative.mean()), float(np.sort(relative)[:-worst].mean()))
+def without_worst(relative):
+    per_pixel = relative.mean(axis=-1).ravel()
+    worst = max(len(per_pixel) // 1000, 1)
+    return Noise(float(per_pixel.mean()), float(np.sort(per_pixel)[:-worst].mean()))
+
+
+def noise(pictures):
+    """Variance, from pictures[seed, y, x, channel], relative to their own mean. A pixel with one bright dot counts for no more than
+    the number of seeds, however bright the dot is; what is wrong with all of them alike does not count."""
+    return without_worst(pictures.var(axis=0, ddof=1) / (pictures.mean(axis=0) ** 2 + 0.01))
+
+
+def error(pictures, references):
+    """Mean squared error, blur included, against the truth that two independent long renders are noisy views of: the product of
+    the differences from both has no part of either's noise in its mean."""
+    first, second = references
+    squares = np.mean([(p - first) * (p - second) for p in pictures], axis=0)
+    return without_worst(squares / ((0.5 * (first + second)) ** 2 + 0.01))
 
 
 # --- means ---------------------------------------------------------------------------------

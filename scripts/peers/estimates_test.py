@@ -9,7 +9,7 @@ except ImportError:
     print("peers: skipped, NumPy is missing")
     sys.exit(0)
 
-from estimates import agreement, noise, two_sided_p, welch
+from estimates import agreement, error, noise, two_sided_p, welch
 
 
 def pictures(random, mean, deviation, seeds=6):
@@ -41,11 +41,18 @@ class Estimates(unittest.TestCase):
         self.assertGreater(found.all, 1e-3)
         self.assertLess(found.trimmed, 4e-4)
 
-    def test_a_reference_does_not_saturate(self):
-        dots = np.full((4, 60, 60, 3), 0.5)
+    def test_errors_do_not_saturate(self):
+        truth = np.full((60, 60, 3), 0.5)
+        dots = np.repeat(truth[None], 4, axis=0)
         dots[0, 30, 30] = 500
         self.assertLess(noise(dots).all, 4 / 3600)
-        self.assertAlmostEqual(noise(dots, np.full((60, 60, 3), 0.5)).all, 499.5**2 / 4 / 0.26 / 3600, delta=1e-3)
+        self.assertAlmostEqual(error(dots, [truth, truth]).all, 499.5**2 / 4 / 0.26 / 3600, delta=1e-3)
+
+    def test_errors_count_blur_but_no_noise_of_the_references(self):
+        references = pictures(self.random, 0.5, 0.01, 2)
+        blurred = pictures(self.random, 0.53, 0.01)
+        expected = (0.03**2 + 0.01**2) / 0.26
+        self.assertAlmostEqual(error(blurred, references).all, expected, delta=0.02 * expected)
 
     def test_equal_pictures_agree(self):
         for _ in range(20):

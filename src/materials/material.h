@@ -141,6 +141,11 @@ class Scattering {
   Spectrum albedo() const { return etendue::albedo(bsdf()) * opacity_; }
   /// Whether it looks the same from everywhere on the side that it is seen from.
   bool is_lambertian() const { return opacity_ == 1 && !mapped_ && std::holds_alternative<DiffuseBsdf>(bsdf()); }
+  /// The same surface, if it is Lambertian, with a reflectance of 1.
+  void whiten() {
+    shared_ = nullptr;
+    own_ = DiffuseBsdf{Spectrum(1)};
+  }
   Gloss gloss() const { return etendue::gloss(bsdf()); }
   const Vec3& normal() const { return frame_.n; }
   /// Probability that the surface is there at all.

@@ -12,8 +12,8 @@ namespace {
 /// Side of the cells in which the pilot is counted, in finest radii: as wide as the largest disk's radius, and as the
 /// finest disk.
 constexpr float kCoarse = 16, kFine = 2;
-/// A disk is widened while it is expected to hold fewer of the pilot's photons than this.
-constexpr float kFewest = 32;
+/// A disk is widened while it is expected to hold fewer photons than this.
+constexpr float kFewest = 48;
 /// Nor further than the surface is flat: 1 − the length of the mean normal within a cell, for the widest disk, which is
 /// as wide as its normals turn by 45°; four times as much for half the disk.
 constexpr float kMostBend = 0.025f;
@@ -22,13 +22,13 @@ constexpr float kMost = 16;
 
 }  // namespace
 
-PhotonSpread::PhotonSpread(std::span<const Photon> pilot, float finest)
+PhotonSpread::PhotonSpread(std::span<const Photon> pilot, float each, float finest)
     : reach_(static_cast<float>(1 << (kLevels - 1)) * finest),
-      coarse_(pilot, kCoarse * finest),
-      fine_(pilot, kFine * finest) {}
+      coarse_(pilot, each, kCoarse * finest),
+      fine_(pilot, each, kFine * finest) {}
 
-PhotonSpread::Counts::Counts(std::span<const Photon> pilot, float side)
-    : cells_per_metre(1 / side), buckets(std::bit_ceil(4 * pilot.size() + 1)) {
+PhotonSpread::Counts::Counts(std::span<const Photon> pilot, float each_in, float side)
+    : cells_per_metre(1 / side), each(each_in), buckets(std::bit_ceil(4 * pilot.size() + 1)) {
   normals.resize(buckets.size(), Vec3(0, 0, 0));
   for (const Photon& photon : pilot) {
     const std::size_t b = bucket(photon.position);
@@ -52,7 +52,7 @@ std::size_t PhotonSpread::Counts::bucket(const Point3& position) const {
 }
 
 float PhotonSpread::Counts::at(const Point3& position) const {
-  return buckets.empty() ? 0.0f : static_cast<float>(buckets[bucket(position)]);
+  return buckets.empty() ? 0.0f : each * static_cast<float>(buckets[bucket(position)]);
 }
 
 int PhotonSpread::level(const Point3& position) const {

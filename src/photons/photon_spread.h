@@ -20,14 +20,14 @@ class PhotonSpread {
   static constexpr std::size_t kBytesPerPhoton = 2 * 8 * (sizeof(std::uint32_t) + sizeof(Vec3));
 
   PhotonSpread() = default;
-  /// `pilot`: as many as there will be at a time. `finest`: radius in metres.
-  PhotonSpread(std::span<const Photon> pilot, float finest);
+  /// `pilot`: each stands for so many of those that there will be. `finest`: radius in metres.
+  PhotonSpread(std::span<const Photon> pilot, float each, float finest);
 
   /// Of lookups at a place.
   int level(const Point3& position) const;
   /// Bit l is set if the disk of some lookup of level l may hold the position.
   unsigned levels_around(const Point3& position) const;
-  /// Photons of the pilot within a finest disk there.
+  /// Photons expected within a finest disk there.
   float held(const Point3& position) const;
   /// Share of the photons to keep there, in (0, 1].
   float kept(const Point3& position) const;
@@ -36,14 +36,14 @@ class PhotonSpread {
   /// The pilot's photons in the cells of a grid, by hash.
   struct Counts {
     Counts() = default;
-    Counts(std::span<const Photon> pilot, float side);
+    Counts(std::span<const Photon> pilot, float each, float side);
     float at(const Point3& position) const;
     std::size_t bucket(const Point3& position) const;
 
     /// Length of the mean of their normals: 1 where the surface is flat.
     float flatness(const Point3& position) const;
 
-    float cells_per_metre = 0;
+    float cells_per_metre = 0, each = 1;
     std::vector<std::uint32_t> buckets;
     std::vector<Vec3> normals;  ///< their sums
   };

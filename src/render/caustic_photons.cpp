@@ -16,13 +16,16 @@ namespace {
 constexpr int kMostBounces = SpecularChain::kMostBounces;
 /// One photon is emitted for so many samples of pixels, as far as memory allows.
 constexpr std::uint64_t kSamplesPerPhoton = 2 * Geometry::kBatch;
+/// More are, up to so many times, where fewer than one arrives of each.
+constexpr double kMostMore = 4;
 constexpr std::uint32_t kChunk = 1024;
 /// Of the first generation, in pixels as wide as they are at most of the surfaces that the camera sees.
 constexpr float kRadiusInPixels = 0.5f;
 /// r² ∝ (generation + 1)^−⅓ (Knaus and Zwicker 2011, eq. 10 with α = ⅔, as a power).
 constexpr float kShrinking = -1.0f / 6;
-/// Instead of a generation: photons that only show where the others will be.
+/// Instead of a generation: photons that only show where the others will be, as many as this many shares.
 constexpr std::uint32_t kPilot = 0xffff'ffffu;
+constexpr std::uint32_t kPilotShares = 2;
 /// Photons on surfaces that turn away by more than this cosine are not those of this surface.
 constexpr float kSameSurface = 0.7f;
 /// Share of the photons on a diffuse surface that go on, towards mirrors and glass.
@@ -71,17 +74,25 @@ CausticPhotons::CausticPhotons(const RenderScene::Data& scene, const Camera& cam
   emitted_ = static_cast<std::uint32_t>(std::min(pixels * generation_size / kSamplesPerPhoton / kShares, most_kept_));
 }
 
-/// Where several arrive of each one emitted, fewer are.
+/// Where several arrive of each one emitted, fewer are emitted, where few do, more.
 CausticPhotons::Arrived CausticPhotons::trace_pilot() {
   Arrived pilot = trace_range(kPilot, 0, emitted_);
   if (pilot.photons.size() > most_kept_) {
     emitted_ = static_cast<std::uint32_t>(std::max(emitted_ * most_kept_ / pilot.photons.size(), std::uint64_t{1}));
     pilot = trace_range(kPilot, 0, emitted_);
   }
-  const Arrived rest = trace_range(kPilot, emitted_, (kShares - 1) * emitted_);
+  const Arrived rest = trace_range(kPilot, emitted_, (kPilotShares - 1) * emitted_);
   pilot.photons.insert(pilot.photons.end(), rest.photons.begin(), rest.photons.end());
   pilot.rays += rest.rays;
   return pilot;
+}
+
+/// How many photons of each share to emit, if so many of `emitted` arrive.
+std::uint32_t CausticPhotons::worthwhile(std::uint64_t emitted, std::uint64_t arrived) const {
+  const double rate = static_cast<double>(arrived) / static_cast<double>(emitted);
+  const double more = std::clamp(1 / std::max(rate, 1e-3), 1.0, kMostMore);
+  const double most = static_cast<double>(most_kept_) / std::max(rate, 1.0);
+  return static_cast<std::uint32_t>(std::max(std::min(emitted_ * more, most), 1.0));
 }
 
 CausticPhotons::Arrived CausticPhotons::trace_range(std::uint32_t generation, std::uint32_t begin,
@@ -111,7 +122,9 @@ std::uint64_t CausticPhotons::trace(std::uint32_t generation) {
   std::uint64_t rays = 0;
   if (!spread_) {
     const Arrived pilot = trace_pilot();
-    spread_.emplace(pilot.photons, first_radius_);
+    const std::uint64_t emitted = std::uint64_t{kPilotShares} * emitted_;
+    emitted_ = worthwhile(emitted, pilot.photons.size());
+    spread_.emplace(pilot.photons, static_cast<float>(kShares * emitted_) / static_cast<float>(emitted), first_radius_);
     rays += pilot.rays;
   }
   for (std::uint32_t share = 0; share < kShares; ++share) {
@@ -144,8 +157,8 @@ float CausticPhotons::scattered_density(const Vertex& vertex, const Vec3& w, flo
   const Point3& position = vertex.surface.position;
   const float held = spread_->held(position);
   const float one = static_cast<float>(kShares) / static_cast<float>(1 << (2 * spread_->level(position)));
-  const float pilot = static_cast<float>(kShares) * static_cast<float>(emitted_);
-  return kScattered * std::max(held, one) / (kPi * square(first_radius_) * pilot) * pdf /
+  const float all = static_cast<float>(kShares) * static_cast<float>(emitted_);
+  return kScattered * std::max(held, one) / (kPi * square(first_radius_) * all) * pdf /
          std::abs(dot(w, vertex.surface.geometric_normal));
 }
 

@@ -96,6 +96,7 @@ class CausticPhotons {
  private:
   struct Arrived;
   Arrived trace_pilot();
+  std::uint32_t worthwhile(std::uint64_t emitted, std::uint64_t arrived) const;
   Arrived trace_range(std::uint32_t generation, std::uint32_t first, std::uint32_t count) const;
   std::uint64_t trace_one(std::uint32_t generation, std::uint32_t index, std::vector<Photon>& arrived) const;
   float gleam_rival(const Receiver& at, std::uint32_t light, float pdf, float pdf_bsdf) const;

@@ -60,12 +60,14 @@ void PathBatch::follow(int first_bounce) {
     if (common_.settings.hide_emitters) look_behind_lights(bounce);
     arrive(bounce);
     if (!shared_.empty()) share();
+    if (common_.photons) weigh_caustics();
+    if (common_.cell_side > 0) look_up();
     if (common_.photons) gather_photons();
     if (common_.hemisphere)
       sample_hemisphere(bounce);
     else
       sample_lights(bounce);
-    if (common_.looks) look_for_lights(bounce);
+    if (common_.looks > 1) look_for_lights(bounce);
     scatter(bounce);
   }
 }
@@ -131,8 +133,8 @@ void PathBatch::share() {
   }
 }
 
-/// Light that photons bring to the paths' vertices.
-void PathBatch::gather_photons() {
+/// What the paths' vertices count for as places where photons are.
+void PathBatch::weigh_caustics() {
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];
     if (!seeks_lights(i)) continue;
@@ -143,6 +145,35 @@ void PathBatch::gather_photons() {
       path.caustics = 1;
       path.records_caustics = false;
     }
+  }
+}
+
+/// Ends the paths that come to something known, and starts the records of those that seek one.
+void PathBatch::look_up() {
+  int kept = 0;
+  for (int a = 0; a < active_count_; ++a) {
+    const int i = active_[a];
+    Path& path = paths_[i];
+    if (is_known(i)) continue;
+    active_[kept++] = i;
+    if (path.sharing != Path::Sharing::seeks_record) continue;
+    records_[i] = record_at(i);
+    if (!records_[i]) continue;
+    path.sharing = Path::Sharing::records;
+    path.throughput = Spectrum(1);  // whatever is seen from here belongs to others as well
+    path.caustics = 1;
+    path.records_caustics = true;
+    vertices_[i].scattering.whiten();
+  }
+  active_count_ = kept;
+}
+
+/// Light that photons bring to the paths' vertices.
+void PathBatch::gather_photons() {
+  for (int a = 0; a < active_count_; ++a) {
+    const int i = active_[a];
+    if (!seeks_lights(i)) continue;
+    const Path& path = paths_[i];
     const CausticPhotons::Light light = common_.photons->radiance(
         vertices_[i], common_.settings.max_depth - path.depth - 1, first_ + static_cast<std::uint32_t>(i));
     caustics_of(i) += path.throughput * path.caustics * light.passing;
@@ -160,24 +191,9 @@ void PathBatch::scatter(int bounce) {
     const int i = active_[a];
     const Vertex& vertex = vertices_[i];
     Path& path = paths_[i];
-    if (is_known(i)) continue;
-    bool starts_record = false;
-    if (path.sharing == Path::Sharing::seeks_record) {
-      records_[i] = record_at(i);
-      starts_record = records_[i].has_value();
-      if (starts_record) {
-        path.sharing = Path::Sharing::records;
-        path.throughput = Spectrum(1);  // whatever is seen from here belongs to others as well
-      }
-    }
     const std::optional<BsdfSample> sample =
         branches_off(i) ? branch_off(i) : vertex.scattering.sample({u[i], v[i]}, choice[i]);
     if (!sample || !leave(i, path, *sample)) continue;
-    if (starts_record) {
-      path.throughput = Spectrum(1);
-      path.caustics = 1;
-      path.records_caustics = true;
-    }
     path.inverse_survival = 1;
     if (path.depth >= kRouletteStart || bounce % kBouncesOfWave >= kManySegments) {
       const float survival = std::min((path.throughput * path.prefix).max() * path.eta_scale, kMaxSurvival);
@@ -206,7 +222,7 @@ bool PathBatch::leave(int i, Path& path, const BsdfSample& sample) {
     if (path.sharing == Path::Sharing::seeks_first && !vertex.scattering.is_delta()) leave_first(i, sample);
     if (!sample.is_delta()) {
       path.bsdf_samples = static_cast<float>(bsdf_samples(i));
-      path.light_samples = static_cast<float>(light_samples(path));
+      path.light_samples = static_cast<float>(light_samples(i, path));
       ++path.scatterings;
     }
     if (sample.is_delta())
@@ -293,8 +309,7 @@ std::optional<RadianceRecord> PathBatch::record_at(int i) const {
   return RadianceRecord{.position = vertex.surface.position,
                         .normal = dot(normal, vertex.wo) < 0 ? -normal : normal,
                         .turns = kNormalSteps,
-                        .bounces_left = depth == kUnlimitedDepth ? depth : depth - path.depth,
-                        .light_samples = light_samples(path)};
+                        .bounces_left = depth == kUnlimitedDepth ? depth : depth - path.depth};
 }
 
 /// Adds what the cache knows of the rest of path i.

@@ -15,13 +15,17 @@ namespace etendue {
 
 /// What all paths of a picture have in common.
 struct PathCommons {
+  static constexpr int kMostLooks = 8;
+
   const RenderScene::Data& scene;
   RenderSettings settings;
   CameraRays camera_rays;
   bool every_light = false;  ///< each vertex asks every light; else it asks one
   bool hemisphere = false;   ///< direct light by uniform directions
   bool splits = false;       ///< early vertices ask several lights, and the camera's paths branch at glass
-  bool looks = false;        ///< early vertices send out several directions to look for lights
+  /// Directions that a path's first vertex takes to look for lights, and at least so many lights that it asks, if it is
+  /// neither diffuse nor a mirror.
+  int looks = 1;
   std::optional<CausticPhotons> photons = {};
   float cell_side = 0;  ///< of the first generation's cells of the cache, in metres; 0: nothing is looked up
   std::optional<RadianceCache> cache = {};
@@ -87,6 +91,8 @@ class PathBatch {
   void look_behind_lights(int bounce);
   void arrive(int bounce);
   void share();
+  void weigh_caustics();
+  void look_up();
   void gather_photons();
   void sample_lights(int bounce);
   void sample_chosen_lights(int bounce);
@@ -104,8 +110,8 @@ class PathBatch {
   void flush_looks(std::span<const Look> looks);
   void see_infinity();
   void see_emission(int i);
-  /// How many chosen lights the path's vertex asks.
-  int light_samples(const Path& path) const;
+  /// How many chosen lights path i's vertex asks, for `path`, which is there.
+  int light_samples(int i, const Path& path) const;
   /// Of path i's first among `samples` samples a path.
   std::uint64_t sample_number(int i, std::int64_t samples) const {
     return (std::uint64_t{first_} + static_cast<std::uint64_t>(i)) * static_cast<std::uint64_t>(samples);

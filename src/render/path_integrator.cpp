@@ -1,5 +1,6 @@
 #include "render/path_integrator.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "render/debug_integrators.h"
@@ -23,6 +24,13 @@ bool shares_paths(const RenderSettings& settings) {
   return uses(settings, settings.reuse);
 }
 
+/// Lamps are small and lit surfaces show their images: more directions find them. A sky is found by few.
+int useful_looks(const RenderScene::Data& scene) {
+  const bool has_lamps =
+      std::ranges::any_of(scene.lights, [](const Light& l) { return !is_infinite(l) && !is_delta(l); });
+  return has_lamps ? PathCommons::kMostLooks : PathCommons::kMostLooks / 2;
+}
+
 }  // namespace
 
 PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& camera, const RenderSettings& settings)
@@ -33,7 +41,7 @@ PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& cam
   common_.every_light = settings.light_samples > 0;
   common_.hemisphere = settings.integrator == IntegratorKind::hemisphere;
   common_.splits = asks_for(settings, settings.splitting) && !common_.every_light;
-  common_.looks = common_.splits && !scene.may_pass;
+  if (common_.splits && !scene.may_pass) common_.looks = useful_looks(scene);
   if (looks_up(settings) && !scene.may_pass && !scene.measured) {
     cache_filler_.emplace(settings, usual_pixel_width(scene, camera, settings));
     common_.cell_side = cache_filler_->cell_side();

@@ -13,15 +13,13 @@ namespace {
 /// Of chosen lights, at a path's first and second vertex that look for them, and at all others: the first count for
 /// more of the picture than the rest of the path, the second are shared with neighbours. Branches begin with one.
 constexpr int kLightSamples[] = {4, 2, 1};
-constexpr int kMostLightSamples = 4;
-/// Directions that a path's first vertex takes to look for lights, if it is neither diffuse nor a mirror.
-constexpr int kBsdfSamples = 4;
+constexpr int kMostSamples = PathCommons::kMostLooks;
 
 }  // namespace
 
-int PathBatch::light_samples(const Path& path) const {
+int PathBatch::light_samples(int i, const Path& path) const {
   if (!common_.splits || (path.is_branch && path.scatterings == 0)) return 1;
-  return kLightSamples[std::min(path.scatterings, 2)];
+  return std::max(kLightSamples[std::min(path.scatterings, 2)], bsdf_samples(i));
 }
 
 /// What the paths that met nothing see.
@@ -183,18 +181,23 @@ void PathBatch::sample_light_for_all(int bounce, std::uint32_t light) {
 
 /// All paths that take as many samples here do so together.
 void PathBatch::sample_chosen_lights(int bounce) {
-  for (const int samples : {kLightSamples[0], kLightSamples[1], 1}) {
+  std::uint32_t left = 0;
+  for (int a = 0; a < active_count_; ++a)
+    if (seeks_lights(active_[a])) left |= 1u << active_[a];
+  while (left != 0) {
+    const auto samples_of = [this](int i) { return light_samples(i, paths_[i]); };
+    const int samples = samples_of(std::countr_zero(left));
     std::uint32_t seeking = 0;
-    for (int a = 0; a < active_count_; ++a)
-      if (seeks_lights(active_[a]) && light_samples(paths_[active_[a]]) == samples) seeking |= 1u << active_[a];
-    if (seeking != 0) sample_chosen_lights(bounce, seeking, samples);
-    if (samples == 1) break;
+    for (std::uint32_t rest = left; rest != 0; rest &= rest - 1)
+      if (samples_of(std::countr_zero(rest)) == samples) seeking |= rest & -rest;
+    sample_chosen_lights(bounce, seeking, samples);
+    left &= ~seeking;
   }
 }
 
 /// Bit i of `seeking` is set for the paths meant.
 void PathBatch::sample_chosen_lights(int bounce, std::uint32_t seeking, int samples) {
-  constexpr int kMost = kBatch * kMostLightSamples;
+  constexpr int kMost = kBatch * kMostSamples;
   float choice[kMost] = {}, more[kMost] = {}, x[kMost], y[kMost];
   const std::uint64_t index = sample_number(0, samples);
   if (!scene_.light_choice.is_certain())
@@ -233,8 +236,7 @@ void PathBatch::sample_chosen_lights(int bounce, std::uint32_t seeking, int samp
 /// How many directions of its BSDF path i's vertex takes to look for lights: those of surfaces that gleam are more
 /// worth it than others.
 int PathBatch::bsdf_samples(int i) const {
-  const Scattering& scattering = vertices_[i].scattering;
-  return common_.looks && paths_[i].scatterings == 0 && !scattering.is_lambertian() ? kBsdfSamples : 1;
+  return paths_[i].scatterings == 0 && !vertices_[i].scattering.is_lambertian() ? common_.looks : 1;
 }
 
 /// The first of a vertex' directions is the one that the path takes.
@@ -243,16 +245,17 @@ void PathBatch::look_for_lights(int bounce) {
   for (int a = 0; a < active_count_; ++a)
     if (seeks_lights(active_[a]) && bsdf_samples(active_[a]) > 1) looking |= 1u << active_[a];
   if (looking == 0) return;
-  constexpr int kMore = kBsdfSamples - 1;
-  float u[kBatch * kMore], v[kBatch * kMore], choice[kBatch * kMore], unused[kBatch * kMore];
-  const std::uint64_t index = sample_number(0, kMore);
-  sampler_.points(dimension::at(bounce, dimension::kMoreDirections), index, count_ * kMore, u, v, kMore);
-  sampler_.points(dimension::at(bounce, dimension::kMoreLobes), index, count_ * kMore, choice, unused, kMore);
+  constexpr int kMost = kBatch * (kMostSamples - 1);
+  float u[kMost], v[kMost], choice[kMost], unused[kMost];
+  const int more = common_.looks - 1;
+  const std::uint64_t index = sample_number(0, more);
+  sampler_.points(dimension::at(bounce, dimension::kMoreDirections), index, count_ * more, u, v, more);
+  sampler_.points(dimension::at(bounce, dimension::kMoreLobes), index, count_ * more, choice, unused, more);
   Look looks[kBatch];
   int n = 0;
   for (; looking != 0; looking &= looking - 1) {
     const int i = std::countr_zero(looking);
-    for (int k = i * kMore; k < (i + 1) * kMore; ++k) {
+    for (int k = i * more; k < (i + 1) * more; ++k) {
       const std::optional<BsdfSample> sample = vertices_[i].scattering.sample({u[k], v[k]}, choice[k]);
       if (!sample || sample->is_delta()) continue;
       looks[n] = {i, paths_[i]};

@@ -41,7 +41,6 @@ std::uint64_t RadianceCache::key(const RadianceRecord& record, int level) const 
     low = hash_combine(low, value);
     high = hash_combine(high, value ^ 0x5bd1e995u);
   };
-  add(static_cast<std::uint32_t>(record.light_samples));
   add(record.medium);
   for (int axis = 0; axis < 3; ++axis) {
     add(step((record.position[axis] + offset_[axis]) * cells_per_metre));

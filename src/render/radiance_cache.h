@@ -13,15 +13,14 @@
 
 namespace etendue {
 
-/// A diffuse surface, or a place in a medium, and one estimate of the light that it scatters, but for what light
-/// sampling and photons find there.
+/// A diffuse surface, or a place in a medium, and one estimate of the light that it scatters: all of it, but in scenes
+/// with media what light sampling and photons find there, which is added where it is looked up.
 struct RadianceRecord {
   Point3 position{0, 0, 0};
   Vec3 normal{0, 0, 1};  ///< unit, shading normal on the lit side; in a medium: to where the light is scattered
   float turns = 0;       ///< steps to the unit in which `normal` is told apart
   int bounces_left = 0;  ///< that the light counted may have taken; kUnlimitedDepth: any number
   std::uint32_t medium = kNone;
-  int light_samples = 1;  ///< that lights were asked for here: what directions found is weighed against so many
   /// Scattered radiance / reflectance, or / albedo: of all light, but what came to this surface by way of delta lobes
   /// alone from a lamp or a surface where photons are, which is the second.
   Spectrum radiance{}, caustics{};

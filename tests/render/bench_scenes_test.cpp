@@ -211,7 +211,8 @@ INSTANTIATE_TEST_SUITE_P(
                    .samples = 2,
                    .seeds = 8,
                    .error = 0.0035},
-        Comparison{.name = "ManyLights", .scene = "f-many-lights", .techniques = kWithoutMirrors, .seeds = 6},
+        Comparison{
+            .name = "ManyLights", .scene = "f-many-lights", .techniques = kWithoutMirrors, .seeds = 6, .error = 0.003},
         Comparison{.name = "VeachMis", .scene = "g-veach-mis", .techniques = kWithoutMirrors, .error = 0.006},
         Comparison{
             .name = "FogSpot", .scene = "h-fog-spot", .reference = kAirlight, .techniques = {kAll}, .error = 0.01},

@@ -89,8 +89,8 @@ TEST(Chains, GlassWallMirrorFloor) {
   Look look = look_at();
   look.whole_side = 256;
   look.side = 128;
-  look.plain_samples = 96;
-  look.samples = 32;
+  look.plain_samples = 24;
+  look.samples = 80;
   look.quarter_error = 0.02;  // two of them are dark
   look.blur = 0.005;
   expect_same(glass_wall_mirror_floor(), kPhotons, look);

@@ -80,7 +80,7 @@ const Technique kTechniques[] = {
 };
 
 /// The first two generations, whose cells are widest.
-void expect_same(const Place& place, int depth = kUnlimitedDepth, int side = 64, int whole_side = 128) {
+void expect_same(const Place& place, int depth = kUnlimitedDepth, int side = 64, int whole_side = 256) {
   Look look;
   look.whole_side = whole_side;
   look.side = side;

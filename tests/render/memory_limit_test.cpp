@@ -63,7 +63,7 @@ TEST(MemoryLimit, LittleMemoryShowsTheSameLight) {
   look.whole_side = 256;
   look.side = 48;
   look.plain_samples = 128;
-  look.samples = 32;
+  look.samples = 48;
   look.blur = 0.01;
   expect_same_means(room_with_glass(), std::span(&little, 1), look);
 }

@@ -22,7 +22,7 @@ std::vector<Photon> on_a_floor(unsigned seed) {
 }
 
 TEST(PhotonSpread, RareOnesReachFarther) {
-  const PhotonSpread spread(on_a_floor(1), kRadius);
+  const PhotonSpread spread(on_a_floor(1), 1, kRadius);
   EXPECT_EQ(spread.level({0.5f, 0, 0.5f}), 0);
   EXPECT_EQ(spread.level({3, 0, 3}), PhotonSpread::kLevels - 1);
   EXPECT_EQ(spread.level({0, 50, 0}), PhotonSpread::kLevels - 1);
@@ -32,21 +32,21 @@ TEST(PhotonSpread, RareOnesReachFarther) {
 TEST(PhotonSpread, DisksAreNoWiderThanTheSurfaceIsFlat) {
   std::vector<Photon> pilot = on_a_floor(1);
   for (std::size_t i = 0; i < pilot.size(); ++i) pilot[i].normal = i % 2 == 0 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-  const PhotonSpread spread(pilot, kRadius);
+  const PhotonSpread spread(pilot, 1, kRadius);
   EXPECT_LT(spread.level({3, 0, 3}), PhotonSpread::kLevels - 1);
 }
 
 TEST(PhotonSpread, ManyAreThinnedOut) {
   std::vector<Photon> pilot = on_a_floor(1);
   for (int i = 0; i < 20'000; ++i) pilot.push_back(pilot[0]);
-  const PhotonSpread spread(pilot, kRadius);
+  const PhotonSpread spread(pilot, 1, kRadius);
   EXPECT_LT(spread.kept(pilot[0].position), 0.01f);
   EXPECT_EQ(spread.level(pilot[0].position), 0);
 }
 
 TEST(PhotonMaps, LookupsOfAPlacesLevelFindAllWithinItsRadius) {
   const std::vector<Photon> photons = on_a_floor(2);
-  const PhotonSpread spread(on_a_floor(1), kRadius);
+  const PhotonSpread spread(on_a_floor(1), 1, kRadius);
   const PhotonMaps maps(photons, spread, kRadius);
   std::size_t found = 0;
   for (std::size_t i = 158'900; i < 159'400; ++i) {
