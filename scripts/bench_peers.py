@@ -169,9 +169,10 @@ def references_of(scene, options, folder):
         return None
     program = Ours(options.etendue, shlex.split(options.reference_flags), options.threads)
     paths = [folder / f"reference-{k}.exr" for k in (1, 2)]
-    for k, path in enumerate(paths):
-        if not path.is_file():
-            samples = samples_for(program, scene, options.define, options.reference_seconds, folder)
+    missing = [(k, path) for k, path in enumerate(paths) if not path.is_file()]
+    if missing:
+        samples = samples_for(program, scene, options.define, options.reference_seconds, folder)
+        for k, path in missing:
             program.render(scene, options.define, samples, 9000 + k, folder / "rendering.exr")
             (folder / "rendering.exr").rename(path)
     return [read_pixels(path) for path in paths]

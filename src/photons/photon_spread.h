@@ -14,7 +14,7 @@ namespace etendue {
 /// depend on the others.
 class PhotonSpread {
  public:
-  /// Disks are as large as the finest, or 2, 4 or 8 times as wide.
+  /// Disks are as large as the finest, or 2, 4, 8 or 16 times as wide.
   static constexpr int kLevels = 5;
   /// Two grids of up to eight buckets a photon of the pilot.
   static constexpr std::size_t kBytesPerPhoton = 2 * 8 * (sizeof(std::uint32_t) + sizeof(Vec3));

@@ -74,7 +74,7 @@ CausticPhotons::CausticPhotons(const RenderScene::Data& scene, const Camera& cam
   emitted_ = static_cast<std::uint32_t>(std::min(pixels * generation_size / kSamplesPerPhoton / kShares, most_kept_));
 }
 
-/// Where several arrive of each one emitted, fewer are emitted, where few do, more.
+/// Where several arrive of each one emitted, fewer are.
 CausticPhotons::Arrived CausticPhotons::trace_pilot() {
   Arrived pilot = trace_range(kPilot, 0, emitted_);
   if (pilot.photons.size() > most_kept_) {
@@ -87,7 +87,7 @@ CausticPhotons::Arrived CausticPhotons::trace_pilot() {
   return pilot;
 }
 
-/// How many photons of each share to emit, if so many of `emitted` arrive.
+/// How many photons of each share to emit if so many of `emitted` arrive: more, where fewer than one of each does.
 std::uint32_t CausticPhotons::worthwhile(std::uint64_t emitted, std::uint64_t arrived) const {
   const double rate = static_cast<double>(arrived) / static_cast<double>(emitted);
   const double more = std::clamp(1 / std::max(rate, 1e-3), 1.0, kMostMore);

@@ -14,6 +14,7 @@ namespace {
 /// more of the picture than the rest of the path, the second are shared with neighbours. Branches begin with one.
 constexpr int kLightSamples[] = {4, 2, 1};
 constexpr int kMostSamples = PathCommons::kMostLooks;
+static_assert(kMostSamples >= kLightSamples[0]);
 
 }  // namespace
 

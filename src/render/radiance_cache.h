@@ -14,7 +14,7 @@
 namespace etendue {
 
 /// A diffuse surface, or a place in a medium, and one estimate of the light that it scatters: all of it, but in scenes
-/// with media what light sampling and photons find there, which is added where it is looked up.
+/// with media what light sampling finds there, which is added where it is looked up.
 struct RadianceRecord {
   Point3 position{0, 0, 0};
   Vec3 normal{0, 0, 1};  ///< unit, shading normal on the lit side; in a medium: to where the light is scattered
