@@ -6,8 +6,9 @@
 namespace etendue {
 namespace {
 
-/// Paths of fewer bounces than this are never ended by roulette, …
-constexpr int kRouletteStart = 5;
+/// Paths of fewer bounces than this are never ended by roulette, nor are those of fewer than the second that nothing but
+/// mirrors and glass has scattered: branches are worth less, so that it would undo the branching, …
+constexpr int kRouletteStart = 5, kRouletteStartInGlass = 16;
 /// … unless they passed straight through very many surfaces.
 constexpr int kManySegments = 1000;
 constexpr float kMaxSurvival = 0.99f;
@@ -195,7 +196,8 @@ void PathBatch::scatter(int bounce) {
         branches_off(i) ? branch_off(i) : vertex.scattering.sample({u[i], v[i]}, choice[i]);
     if (!sample || !leave(i, path, *sample)) continue;
     path.inverse_survival = 1;
-    if (path.depth >= kRouletteStart || bounce % kBouncesOfWave >= kManySegments) {
+    const int roulette_start = path.scatterings > 0 ? kRouletteStart : kRouletteStartInGlass;
+    if (path.depth >= roulette_start || bounce % kBouncesOfWave >= kManySegments) {
       const float survival = std::min((path.throughput * path.prefix).max() * path.eta_scale, kMaxSurvival);
       if (roulette[i] >= survival) continue;
       path.inverse_survival = 1 / survival;

@@ -95,9 +95,8 @@ class PathBatch {
   void look_up();
   void gather_photons();
   void sample_lights(int bounce);
-  void sample_chosen_lights(int bounce);
   void sample_chosen_lights(int bounce, std::uint32_t seeking, int samples);
-  void sample_light_for_all(int bounce, std::uint32_t light);
+  void sample_given_light(int bounce, std::uint32_t light, std::uint32_t seeking, int samples);
   void sample_hemisphere(int bounce);
   void leave_first(int i, const BsdfSample& sample);
   void scatter(int bounce);
@@ -110,7 +109,7 @@ class PathBatch {
   void flush_looks(std::span<const Look> looks);
   void see_infinity();
   void see_emission(int i);
-  /// How many chosen lights path i's vertex asks, for `path`, which is there.
+  /// How many samples path i's vertex takes of chosen lights, or of each light, for `path`, which is there.
   int light_samples(int i, const Path& path) const;
   /// Of path i's first among `samples` samples a path.
   std::uint64_t sample_number(int i, std::int64_t samples) const {

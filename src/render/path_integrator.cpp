@@ -31,6 +31,12 @@ int useful_looks(const RenderScene::Data& scene) {
   return has_lamps ? PathCommons::kMostLooks : PathCommons::kMostLooks / 2;
 }
 
+/// Two lights, such as a lamp and the sky, are better both asked than one of them by chance. Of more, the light tree
+/// knows which matter where.
+bool asks_both(const std::vector<Light>& lights) {
+  return lights.size() == 2 && std::ranges::all_of(lights, [](const Light& l) { return part_count(l) == 1; });
+}
+
 }  // namespace
 
 PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& camera, const RenderSettings& settings)
@@ -38,9 +44,10 @@ PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& cam
       reuse_(shares_paths(settings) && !scene.may_pass && !scene.measured),
       generation_size_(usual_generation_size(settings)) {
   if (settings.integrator == IntegratorKind::direct) common_.settings.max_depth = std::min(settings.max_depth, 1);
-  common_.every_light = settings.light_samples > 0;
   common_.hemisphere = settings.integrator == IntegratorKind::hemisphere;
-  common_.splits = asks_for(settings, settings.splitting) && !common_.every_light;
+  common_.splits = asks_for(settings, settings.splitting) && settings.light_samples == 0;
+  if (common_.splits && asks_both(scene.lights)) common_.settings.light_samples = 1;
+  common_.every_light = common_.settings.light_samples > 0;
   if (common_.splits && !scene.may_pass) common_.looks = useful_looks(scene);
   if (looks_up(settings) && !scene.may_pass && !scene.measured) {
     cache_filler_.emplace(settings, usual_pixel_width(scene, camera, settings));

@@ -20,7 +20,8 @@ static_assert(kMostSamples >= kLightSamples[0]);
 
 int PathBatch::light_samples(int i, const Path& path) const {
   if (!common_.splits || (path.is_branch && path.scatterings == 0)) return 1;
-  return std::max(kLightSamples[std::min(path.scatterings, 2)], bsdf_samples(i));
+  const int all = std::max(kLightSamples[std::min(path.scatterings, 2)], bsdf_samples(i));
+  return common_.every_light ? std::max(1, all / static_cast<int>(scene_.lights.size())) : all;
 }
 
 /// What the paths that met nothing see.
@@ -144,44 +145,9 @@ void PathBatch::flush_shadow_rays() {
   shadow_count_ = 0;
 }
 
+/// All paths that take as many samples of the lights do so together.
 void PathBatch::sample_lights(int bounce) {
   if (scene_.lights.empty()) return;
-  if (common_.every_light)
-    for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) sample_light_for_all(bounce, light);
-  else
-    sample_chosen_lights(bounce);
-  flush_shadow_rays();
-}
-
-// Points on lights are chosen for several paths in one loop before anything else is asked about them: while one waits
-// for the memory of an environment map, so do the next.
-
-void PathBatch::sample_light_for_all(int bounce, std::uint32_t light) {
-  const int samples = samples_of_light(scene_, common_.settings.light_samples, light);
-  float x[kBatch], y[kBatch], part[kBatch] = {}, unused[kBatch];
-  // Sample j of path i is number (first + i) · samples + j of one sequence: well spread over the light across all of
-  // them.
-  for (int a = 0; a < active_count_; ++a) {
-    const int i = active_[a];
-    if (!seeks_lights(i)) continue;
-    for (std::int64_t done = 0; done < samples; done += kBatch) {
-      const auto n = static_cast<int>(std::min<std::int64_t>(kBatch, samples - done));
-      const std::uint64_t index = sample_number(i, samples) + done;
-      sampler_.points(dimension::at(bounce, dimension::position(light)), index, n, x, y, samples);
-      if (part_count(scene_.lights[light]) > 1)
-        sampler_.points(dimension::at(bounce, dimension::part(light)), index, n, part, unused, samples);
-      for (int j = 0; j < n; ++j) {
-        const PartChoice chosen = choose_part(scene_.lights[light], part[j]);
-        aims_.add(i, vertices_[i].surface.position, {x[j], y[j]}, chosen.part,
-                  static_cast<float>(samples) * chosen.probability);
-      }
-      aim_at(light);
-    }
-  }
-}
-
-/// All paths that take as many samples here do so together.
-void PathBatch::sample_chosen_lights(int bounce) {
   std::uint32_t left = 0;
   for (int a = 0; a < active_count_; ++a)
     if (seeks_lights(active_[a])) left |= 1u << active_[a];
@@ -191,8 +157,44 @@ void PathBatch::sample_chosen_lights(int bounce) {
     std::uint32_t seeking = 0;
     for (std::uint32_t rest = left; rest != 0; rest &= rest - 1)
       if (samples_of(std::countr_zero(rest)) == samples) seeking |= rest & -rest;
-    sample_chosen_lights(bounce, seeking, samples);
+    if (common_.every_light)
+      for (std::uint32_t light = 0; light < scene_.lights.size(); ++light)
+        sample_given_light(bounce, light, seeking,
+                           samples_of_light(scene_, samples * common_.settings.light_samples, light));
+    else
+      sample_chosen_lights(bounce, seeking, samples);
     left &= ~seeking;
+  }
+  flush_shadow_rays();
+}
+
+// Points on lights are chosen for several paths in one loop before anything else is asked about them: while one waits
+// for the memory of an environment map, so do the next.
+
+/// Bit i of `seeking` is set for the paths meant. Sample j of path i is number (first + i) · samples + j of one
+/// sequence: well spread over the light across all of them.
+void PathBatch::sample_given_light(int bounce, std::uint32_t light, std::uint32_t seeking, int samples) {
+  constexpr int kMost = kBatch * kMostSamples;
+  float x[kMost], y[kMost], part[kMost] = {}, unused[kMost];
+  const int together = std::min(samples, kMostSamples);  // of each path
+  for (std::int64_t done = 0; done < samples; done += together) {
+    const auto n = static_cast<int>(std::min<std::int64_t>(together, samples - done));
+    for (std::uint32_t left = seeking; left != 0; left &= left - 1) {
+      const int i = std::countr_zero(left);
+      const std::uint64_t index = sample_number(i, samples) + static_cast<std::uint64_t>(done);
+      sampler_.points(dimension::at(bounce, dimension::position(light)), index, n, x + i * n, y + i * n, samples);
+      if (part_count(scene_.lights[light]) > 1)
+        sampler_.points(dimension::at(bounce, dimension::part(light)), index, n, part + i * n, unused, samples);
+    }
+    for (int k = 0; k < n; ++k) {
+      for (std::uint32_t left = seeking; left != 0; left &= left - 1) {
+        const int i = std::countr_zero(left), at_sample = i * n + k;
+        const PartChoice chosen = choose_part(scene_.lights[light], part[at_sample]);
+        aims_.add(i, vertices_[i].surface.position, {x[at_sample], y[at_sample]}, chosen.part,
+                  static_cast<float>(samples) * chosen.probability);
+      }
+      aim_at(light);
+    }
   }
 }
 

@@ -12,25 +12,24 @@
 #include "formats/formats.h"
 #include "picture_statistics.h"
 #include "render/session.h"
-#include "scene_kit.h"
+#include "technique_comparison.h"
 #include "testing/statistics.h"
 
 namespace etendue {
 namespace {
 
-struct Technique {
-  std::string name;
-  IntegratorKind integrator = IntegratorKind::path;
-  Use photons = Use::off, reuse = Use::off, cache = Use::off, airlight = Use::off;
-};
-
-const Technique kPlain{"plain paths"};
+const Technique kPlain{.name = "plain paths"};
 const Technique kPhotons{.name = "photons", .photons = Use::on};
 const Technique kReuse{.name = "reuse", .reuse = Use::on};
 const Technique kCache{.name = "cache", .cache = Use::on};
 const Technique kPhotonsAndCache{.name = "photons, cache", .photons = Use::on, .cache = Use::on};
 const Technique kAirlight{.name = "airlight", .airlight = Use::on};
-const Technique kAll{"all", IntegratorKind::automatic, Use::automatic, Use::automatic, Use::automatic, Use::automatic};
+const Technique kAll{.name = "all",
+                     .integrator = IntegratorKind::automatic,
+                     .photons = Use::automatic,
+                     .reuse = Use::automatic,
+                     .cache = Use::automatic,
+                     .airlight = Use::automatic};
 
 void unchanged(scene::SceneDescription&) {}
 
@@ -104,12 +103,7 @@ Means means_of(const Image& image) {
 
 /// The means of every seed.
 std::vector<Means> rendered(const BenchScene& bench, const Technique& technique, const Comparison& comparison) {
-  RenderSettings settings = bench.settings;
-  settings.integrator = technique.integrator;
-  settings.photons = technique.photons;
-  settings.reuse = technique.reuse;
-  settings.cache = technique.cache;
-  settings.airlight = technique.airlight;
+  RenderSettings settings = with(technique, bench.settings);
   settings.samples_per_pixel = comparison.samples;
   std::vector<Means> means;
   for (int seed = 1; seed <= comparison.seeds; ++seed) {

@@ -40,6 +40,18 @@ Place metal(float alpha) {
   return place;
 }
 
+/// Two lights, which are both asked, over metal and paint.
+Place lamp_and_sky() {
+  Place place;
+  SceneKit& kit = place.kit;
+  kit.light(scene::ConstantLight{{0.3f, 0.4f, 0.6f}});
+  kit.quad({-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, steel(kit, 0.2f));
+  kit.quad({-2, 0, -1}, {4, 0, 0}, {0, 0.7f, 0}, kit.diffuse(kPaint));
+  kit.sphere({0.2f, 0.8f, -0.5f}, 0.15f, kit.emitter(Spectrum(20)));
+  place.camera = pinhole({0, 1, 1.5f}, {0, 0.1f, -0.3f}, 0.45f);
+  return place;
+}
+
 /// A wide lamp above a pane of glass lights a wall, and the wall, by way of a mirror, the floor under a board.
 Place glass_wall_mirror_floor() {
   Place place;
@@ -84,6 +96,9 @@ TEST(Branches, LampsOverPolishedMetal) {
 }
 TEST(Branches, LampsOverRoughMetal) {
   expect_same(metal(0.3f), kBranches, look_at());
+}
+TEST(Branches, LampAndSky) {
+  expect_same(lamp_and_sky(), kBranches, look_at());
 }
 TEST(Chains, GlassWallMirrorFloor) {
   Look look = look_at();

@@ -36,19 +36,6 @@ SeedMeans means_of(const Place& place, const RenderScene& scene, RenderSettings 
   return means;
 }
 
-SeedMeans with(const Technique& technique, const Place& place, const RenderScene& scene, RenderSettings settings,
-               const Look& look) {
-  settings.integrator = technique.integrator;
-  settings.photons = technique.photons;
-  settings.reuse = technique.reuse;
-  settings.cache = technique.cache;
-  settings.sampler = technique.sampler;
-  settings.splitting = technique.splitting;
-  settings.memory_limit = technique.memory_limit;
-  settings.samples_per_pixel = look.samples;
-  return means_of(place, scene, settings, look.seeds);
-}
-
 void compare(const SeedMeans& plain, const SeedMeans& other, const Look& look) {
   TestFamily tests;
   for (int q = 0; q < 5; ++q)
@@ -64,6 +51,18 @@ void compare(const SeedMeans& plain, const SeedMeans& other, const Look& look) {
 }
 
 }  // namespace
+
+RenderSettings with(const Technique& technique, RenderSettings settings) {
+  settings.integrator = technique.integrator;
+  settings.photons = technique.photons;
+  settings.reuse = technique.reuse;
+  settings.cache = technique.cache;
+  settings.sampler = technique.sampler;
+  settings.splitting = technique.splitting;
+  settings.memory_limit = technique.memory_limit;
+  settings.airlight = technique.airlight;
+  return settings;
+}
 
 MaterialId glass(SceneKit& kit) {
   return kit.material(scene::GlassMaterial{Spectrum(1), {0.9f, 1, 0.8f}, 1.5f});
@@ -101,9 +100,10 @@ void expect_same_means(const Place& place, std::span<const Technique> techniques
   settings.integrator = IntegratorKind::path;
   settings.samples_per_pixel = look.plain_samples;
   const SeedMeans plain = means_of(place, scene, settings, look.seeds);
+  settings.samples_per_pixel = look.samples;
   for (const Technique& technique : techniques) {
     SCOPED_TRACE(technique.name);
-    compare(plain, with(technique, place, scene, settings, look), look);
+    compare(plain, means_of(place, scene, with(technique, settings), look.seeds), look);
   }
 }
 

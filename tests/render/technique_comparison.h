@@ -25,7 +25,10 @@ struct Technique {
   SamplerKind sampler = SamplerKind::sobol;
   Use splitting = Use::automatic;
   std::uint64_t memory_limit = RenderSettings().memory_limit;
+  Use airlight = Use::off;
 };
+/// The same settings with this technique.
+RenderSettings with(const Technique& technique, RenderSettings settings);
 
 /// What of a picture is looked at, and how well.
 struct Look {
