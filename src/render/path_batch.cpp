@@ -6,8 +6,8 @@
 namespace etendue {
 namespace {
 
-/// Paths of fewer bounces than this are never ended by roulette, nor are those of fewer than the second that nothing but
-/// mirrors and glass has scattered: branches are worth less, so that it would undo the branching, …
+/// Paths of fewer bounces than this are never ended by roulette, nor are those of fewer than the second that nothing
+/// but mirrors and glass has scattered: branches are worth less, so that it would undo the branching, …
 constexpr int kRouletteStart = 5, kRouletteStartInGlass = 16;
 /// … unless they passed straight through very many surfaces.
 constexpr int kManySegments = 1000;
