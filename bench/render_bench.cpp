@@ -120,6 +120,7 @@ class Recorder : public RayRecorder {
 };
 
 void report_trace_bound(const char* name, const Loaded& loaded, RenderSettings s) {
+  s.integrator = IntegratorKind::path;  // the techniques that `auto` adds do more than trace rays
   const ThreadLimit limit(1);
   s.crop = CropWindow{180, 120, 120, 120};  // the recorded rays have to fit into memory
   // The one writer of the scene while no one renders: the recorder is not part of what a scene is.
