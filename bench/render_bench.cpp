@@ -1,6 +1,6 @@
 // Whole renders, measured as the documentation defines it (docs/performance.md):
 //   rays/s               all rays traced, over the wall time of the passes, on 2 threads
-//   trace bound          time for the same rays as single queries, over the time of the render, in turn, 1 thread
+//   trace bound          of plain paths: time for the same rays as single queries, over that of the render, 1 thread
 //   inverse efficiency   CPU seconds × mean over pixels of variance / (mean² + 0.01), from independent seeds
 // and reading and building a file of a million triangles.
 

@@ -107,7 +107,7 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
                 "Samples a pixel (default: the file's, or 64; no limit with --time-limit or --noise)")
       ->group("Sampling");
   flags::number(app, "-l,--light-samples", s.light_samples, Range{0, 65536}, "N",
-                "Samples of every light at every hit (default 0: one sample of one light)")
+                "Samples of every light at every hit (default 0: of chosen lights, more where they matter more)")
       ->group("Sampling");
   flags::add(app, "-m,--max-depth", {"N|unlimited"},
              "Bounces: 0 emitted light only, 1 direct light (default: the file's, or unlimited)",

@@ -175,7 +175,7 @@ void PathBatch::sample_lights(int bounce) {
 /// sequence: well spread over the light across all of them.
 void PathBatch::sample_given_light(int bounce, std::uint32_t light, std::uint32_t seeking, int samples) {
   constexpr int kMost = kBatch * kMostSamples;
-  float x[kMost], y[kMost], part[kMost] = {}, unused[kMost];
+  float x[kMost], y[kMost], part[kMost] = {}, unused[kMostSamples];
   const int together = std::min(samples, kMostSamples);  // of each path
   for (std::int64_t done = 0; done < samples; done += together) {
     const auto n = static_cast<int>(std::min<std::int64_t>(together, samples - done));

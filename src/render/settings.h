@@ -37,11 +37,11 @@ inline constexpr int kUnlimitedDepth = std::numeric_limits<int>::max();
 
 /// What picture to make of a scene and how well.
 struct RenderSettings {
-  int width = 800, height = 600;    ///< of the whole picture, in pixels
-  std::optional<CropWindow> crop;   ///< render only this part; the result has its size
-  int samples_per_pixel = 64;       ///< the most a pixel gets
-  int light_samples = 0;            ///< per light and vertex (point-like lights: 1); 0: one sample of one chosen light
-  int max_depth = kUnlimitedDepth;  ///< bounces: 0 emitted light only, 1 direct light, …
+  int width = 800, height = 600;       ///< of the whole picture, in pixels
+  std::optional<CropWindow> crop;      ///< render only this part; the result has its size
+  int samples_per_pixel = 64;          ///< the most a pixel gets
+  int light_samples = 0;               ///< per light and vertex (point-like lights: 1); 0: of chosen lights
+  int max_depth = kUnlimitedDepth;     ///< bounces: 0 emitted light only, 1 direct light, …
   bool null_counts_as_bounce = false;  ///< whether light that passes a mask, null boundary or thin pane has bounced
   bool hide_emitters = false;          ///< camera rays see neither lights nor their shapes
   IntegratorKind integrator = IntegratorKind::automatic;
