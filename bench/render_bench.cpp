@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <string_view>
 #include <vector>
 
 #include "base/error.h"
@@ -210,14 +211,16 @@ void report_million_triangles() {
   fs::remove(file);
 }
 
-void run() {
-  report_million_triangles();
+/// With `trace_bound_only`, nothing else is measured.
+void run(bool trace_bound_only) {
+  if (!trace_bound_only) report_million_triangles();
   const fs::path own = ETENDUE_SCENES;
-  const auto whole = [](const char* name, const Loaded& scene) {
-    report_throughput(fmt::format("{} -s 64 -l 4 -m 5", name).c_str(), scene, settings(64, 4, 5));
+  const auto whole = [&](const char* name, const Loaded& scene) {
+    if (!trace_bound_only)
+      report_throughput(fmt::format("{} -s 64 -l 4 -m 5", name).c_str(), scene, settings(64, 4, 5));
     report_trace_bound(fmt::format("{} -l 4 -m 5", name).c_str(), scene, settings(64, 4, 5));
     report_trace_bound(fmt::format("{} unlimited depth", name).c_str(), scene, settings(64, 0, kUnlimitedDepth));
-    report_efficiency(fmt::format("{} depth 100", name).c_str(), scene, settings(64, 0, 100));
+    if (!trace_bound_only) report_efficiency(fmt::format("{} depth 100", name).c_str(), scene, settings(64, 0, 100));
   };
   whole("cornell-spheres", load(own / "cornell-spheres.dae", {}));
   report_trace_bound("knot", load(own / "knot.dae", {}), settings(64, 0, kUnlimitedDepth));
@@ -237,9 +240,9 @@ void run() {
 }  // namespace
 }  // namespace etendue
 
-int main() {
+int main(int argc, char** argv) {
   try {
-    etendue::run();
+    etendue::run(argc > 1 && std::string_view(argv[1]) == "trace-bound");
   } catch (const etendue::Error& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;

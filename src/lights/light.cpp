@@ -85,12 +85,6 @@ std::optional<LightSample> sample_light(const Light& light, std::uint32_t part, 
       light);
 }
 
-void sample_light(const Light& light, std::span<const std::uint32_t> part, std::span<const Point3> from,
-                  std::span<const Vec2> u, std::span<std::optional<LightSample>> samples) {
-  if (const auto* environment = std::get_if<EnvironmentLight>(&light)) return environment->sample(u, samples);
-  for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = sample_light(light, part[i], from[i], u[i]);
-}
-
 float light_pdf(const Light& light, const Point3& from, const LightHit& hit) {
   return std::visit(
       [&]<typename T>(const T& l) {

@@ -282,10 +282,6 @@ std::uint32_t part_at(const Light& light, const LightHit& hit);
 /// A way in which a part shines on `from`; its density knows nothing of the part's choice. Nothing if it cannot be seen
 /// from there.
 std::optional<LightSample> sample_light(const Light& light, std::uint32_t part, const Point3& from, Vec2 u);
-/// The same for many points, samples[i] from from[i] by part[i] and u[i]; at most 16: those of an environment wait for
-/// memory together.
-void sample_light(const Light& light, std::span<const std::uint32_t> part, std::span<const Point3> from,
-                  std::span<const Vec2> u, std::span<std::optional<LightSample>> samples);
 /// Density with which sample_light gives the direction to a point of a finite light, from the part that is there; 0 for
 /// lights without surface.
 float light_pdf(const Light& light, const Point3& from, const LightHit& hit);

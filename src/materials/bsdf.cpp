@@ -37,14 +37,6 @@ std::optional<BsdfSample> sample_bsdf(const Bsdf& bsdf, const Vec3& wo, Vec2 u, 
   return std::visit([&](const auto& b) { return b.sample(wo, u, choice, mode); }, bsdf);
 }
 
-bool is_delta(const Bsdf& bsdf) {
-  return std::visit([](const auto& b) { return b.is_delta(); }, bsdf);
-}
-
-bool transmits(const Bsdf& bsdf) {
-  return std::visit([](const auto& b) { return b.transmits(); }, bsdf);
-}
-
 Spectrum albedo(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return b.albedo(); }, bsdf);
 }

@@ -159,9 +159,13 @@ BsdfEval eval_bsdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMo
 std::optional<BsdfSample> sample_bsdf(const Bsdf& bsdf, const Vec3& wo, Vec2 u, float choice,
                                       TransportMode mode = TransportMode::radiance);
 /// True if only delta lobes are there: sampling lights is in vain.
-bool is_delta(const Bsdf& bsdf);
+inline bool is_delta(const Bsdf& bsdf) {
+  return std::visit([](const auto& b) { return b.is_delta(); }, bsdf);
+}
 /// True if eval_bsdf may be positive for directions on different sides: lights behind the surface count.
-bool transmits(const Bsdf& bsdf);
+inline bool transmits(const Bsdf& bsdf) {
+  return std::visit([](const auto& b) { return b.transmits(); }, bsdf);
+}
 Spectrum albedo(const Bsdf& bsdf);
 Gloss gloss(const Bsdf& bsdf);
 /// Share of the light from −wo that comes straight through to wo, what Lobe::straight samples: 0 but for thin panes.

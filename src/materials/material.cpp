@@ -304,6 +304,7 @@ float Scattering::shadowing(const Vec3& wi) const {
 BsdfEval Scattering::eval(const Vec3& wi) const {
   const Vec3 wi_local = frame_.to_local(wi);
   if (!is_consistent(wi, wi_local)) return {};
+  if (is_plain()) return eval_bsdf(bsdf(), wo_local_, wi_local);
   BsdfEval eval = eval_bsdf(bsdf(), wo_local_, wi_local);
   eval.f_cos *= opacity_ * shadowing(wi);
   eval.pdf *= opacity_;
@@ -317,9 +318,12 @@ std::optional<BsdfSample> Scattering::sample(Vec2 u, float choice, TransportMode
   }
   std::optional<BsdfSample> sample = sample_bsdf(bsdf(), wo_local_, u, choice, mode);
   if (!sample) return std::nullopt;
-  const Vec3 wi = normalize(frame_.to_world(sample->wi));  // or rounding would grow along chains of refractions
+  // Nearly of unit length: one of Newton's steps makes it so, or rounding would grow along chains of refractions.
+  const Vec3 turned = frame_.to_world(sample->wi);
+  const Vec3 wi = turned * (1.5f - 0.5f * length_squared(turned));
   if (!is_consistent(wi, sample->wi)) return std::nullopt;
   sample->wi = wi;
+  if (is_plain()) return sample;
   sample->weight *= shadowing(wi);
   sample->pdf *= opacity_;
   return sample;

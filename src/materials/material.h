@@ -158,6 +158,8 @@ class Scattering {
  private:
   friend class MaterialEvaluator;
 
+  /// Whether all there is is the BSDF.
+  bool is_plain() const { return opacity_ == 1 && bump_alpha2_ == 0; }
   bool is_consistent(const Vec3& wi, const Vec3& wi_local) const;
   float shadowing(const Vec3& wi) const;
 

@@ -187,11 +187,10 @@ std::optional<Ray> CausticPhotons::reflect(const Vertex& vertex, std::uint32_t l
   const auto next = vertex.scattering.sample(direction, choice, TransportMode::importance);
   if (!next || next->is_delta()) return std::nullopt;
   const Vec3& ng = vertex.surface.geometric_normal;
-  Receiver at{vertex.surface.position, dot(ng, next->wi) < 0 ? -ng : ng};
   const float pdf = look_at_infinity(scene_.lights[light], vertex.wo).pdf;
   photon.flux *= next->weight * etendue_ratio(vertex, next->wi);
   photon.density *= next->pdf * std::abs(dot(vertex.wo, ng) / dot(next->wi, ng)) /
-                    gleam_rival(at, light, pdf, vertex.scattering.reverse_pdf(next->wi));
+                    gleam_rival(receiver(vertex, next->wi), light, pdf, vertex.scattering.reverse_pdf(next->wi));
   if (photon.flux.is_black() || !std::isfinite(photon.density)) return std::nullopt;
   ++photon.bounces;
   photon.ends = true;
@@ -230,7 +229,7 @@ std::uint64_t CausticPhotons::trace_one(std::uint32_t generation, std::uint32_t 
     const RayHit hit = scene_.geometry.intersect(ray);
     ++rays;
     if (!hit.found()) break;
-    const Vertex vertex = find_vertex(scene_, ray, hit);
+    const Vertex vertex(scene_, ray, hit);
     const Vec2 bounce = sampler.point(kBounce + surfaces, index);
     if (chain > 0 && !vertex.scattering.is_delta()) {
       photon.position = vertex.surface.position;

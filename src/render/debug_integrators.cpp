@@ -28,7 +28,7 @@ std::uint64_t DebugIntegrator::estimate(const PixelBlock& block, std::uint32_t f
   std::uint64_t traced = samples.size();
   for (int i = 0; i < count; ++i) {
     if (!hits[i].found()) continue;
-    const Vertex vertex = find_vertex(scene_, rays[i], hits[i]);
+    const Vertex vertex(scene_, rays[i], hits[i]);
     camera_rays_.describe(rays[i], vertex.surface, samples[i]);
     samples[i].albedo = vertex.scattering.albedo();
     const Vec3 n = samples[i].normal;

@@ -74,7 +74,9 @@ void PathBatch::follow(int first_bounce) {
 }
 
 void PathBatch::intersect() {
-  for (int a = 0; a < active_count_; ++a) hits_[active_[a]] = scene_.geometry.intersect(paths_[active_[a]].ray);
+  // Made where they stay: a copy would wait until they are written.
+  for (int a = 0; a < active_count_; ++a)
+    ::new (&hits_[active_[a]]) RayHit(scene_.geometry.intersect(paths_[active_[a]].ray));
   rays_ += active_count_;
 }
 
@@ -97,8 +99,7 @@ void PathBatch::arrive(int bounce) {
   for (int a = 0; a < active_count_; ++a) {
     const int i = active_[a];
     if (!hits_[i].found()) continue;
-    Vertex& vertex = vertices_[i];
-    ::new (&vertex) Vertex(find_vertex(scene_, paths_[i].ray, hits_[i]));  // made where it stays: it is large
+    const Vertex& vertex = vertices_.emplace(i, scene_, paths_[i].ray, hits_[i]);
     if (vertex.light != kNone && paths_[i].sharing != Path::Sharing::seeks_record) see_emission(i);
     if (bounce == 0) {
       common_.camera_rays.describe(paths_[i].ray, vertex.surface, samples_[i]);
@@ -217,9 +218,9 @@ bool PathBatch::leave(int i, Path& path, const BsdfSample& sample) {
   } else {
     if (!may_bounce(i)) return false;
     path.depth += 1;
-    path.gleam = common_.photons ? common_.photons->gleam(path.chain, vertex, sample.wi) : CausticPhotons::Gleam{};
+    if (common_.photons) path.gleam = common_.photons->gleam(path.chain, vertex, sample.wi);
     path.pdf_bsdf = sample.pdf;
-    path.scattered_at = receiver(vertex);
+    path.scattered_at = asking(i);
     path.from_camera = false;
     if (path.sharing == Path::Sharing::seeks_first && !vertex.scattering.is_delta()) leave_first(i, sample);
     if (!sample.is_delta()) {
@@ -271,7 +272,7 @@ std::optional<BsdfSample> PathBatch::branch_off(int i) {
   if (darker && leave(i, branch, *darker)) {
     --branches_left_[i];
     branch_of_[branch_count_] = i;
-    branches_[branch_count_++] = branch;
+    branches_.emplace(branch_count_++, branch);
   }
   return lobe(!(reflection < 0.5f));
 }
@@ -288,7 +289,7 @@ bool PathBatch::take_up_branches() {
       active_[active_count_++] = i;
     } else {
       branch_of_[left] = i;
-      branches_[left++] = branches_[b];
+      branches_.emplace(left++, branches_[b]);
     }
   }
   branch_count_ = left;

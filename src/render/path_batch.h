@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "base/uninitialized.h"
 #include "render/camera_rays.h"
 #include "render/caustic_photons.h"
 #include "render/direct_light.h"
@@ -20,9 +21,10 @@ struct PathCommons {
   const RenderScene::Data& scene;
   RenderSettings settings;
   CameraRays camera_rays;
-  bool every_light = false;  ///< each vertex asks every light; else it asks one
-  bool hemisphere = false;   ///< direct light by uniform directions
-  bool splits = false;       ///< early vertices ask several lights, and the camera's paths branch at glass
+  bool every_light = false;     ///< each vertex asks every light; else it asks one
+  bool hemisphere = false;      ///< direct light by uniform directions
+  bool chooses_lights = false;  ///< which one is asked depends on where the vertex is, and how it scatters
+  bool splits = false;          ///< early vertices ask several lights, and the camera's paths branch at glass
   /// Directions that a path's first vertex takes to look for lights, and at least so many lights that it asks, if it is
   /// neither diffuse nor a mirror.
   int looks = 1;
@@ -54,8 +56,8 @@ class PathBatch {
     Ray ray;
     Spectrum throughput{1};
     float pdf_bsdf = 0;     ///< of the ray's direction; 0: only this ray finds what it meets (camera, delta lobe)
-    Receiver scattered_at;  ///< where that direction was chosen: the ray's origin, or before surfaces that it passed
-                            ///< straight through
+    Receiver scattered_at;  ///< where that direction was chosen, as far as the choice of lights looks at it: the ray's
+                            ///< origin, or before surfaces that it passed straight through
     float eta_scale =
         1;          ///< product of eta² along the path: what refraction did to the throughput is no reason to end it
     int depth = 0;  ///< bounces so far
@@ -101,6 +103,10 @@ class PathBatch {
   void leave_first(int i, const BsdfSample& sample);
   void scatter(int bounce);
 
+  /// Path i's vertex as far as the choice of lights looks at it.
+  Receiver asking(int i) const {
+    return common_.chooses_lights ? receiver(vertices_[i]) : Receiver{vertices_[i].surface.position};
+  }
   float bsdf_weight(const Path& path, std::uint32_t light, std::uint32_t part, float pdf) const;
   float bsdf_weight(const Path& path, const Vertex& met) const;
   float gleam_weight(const Path& path, std::uint32_t light, float pdf) const;
@@ -158,7 +164,7 @@ class PathBatch {
   std::uint64_t rays_ = 0;
 
   Path paths_[kBatch];
-  Vertex vertices_[kBatch];
+  UninitializedArray<Vertex, kBatch> vertices_;
   RayHit hits_[kBatch];
   int active_[kBatch];
   int active_count_ = 0;
@@ -182,7 +188,7 @@ class PathBatch {
   };
   Aims aims_;
 
-  Path branches_[kBatch * kMostBranches];
+  UninitializedArray<Path, kBatch * kMostBranches> branches_;
   int branch_of_[kBatch * kMostBranches];  ///< which path they left
   int branch_count_ = 0;
   int branches_left_[kBatch];

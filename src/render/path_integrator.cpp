@@ -48,6 +48,7 @@ PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& cam
   common_.splits = asks_for(settings, settings.splitting) && settings.light_samples == 0;
   if (common_.splits && asks_both(scene.lights)) common_.settings.light_samples = 1;
   common_.every_light = common_.settings.light_samples > 0;
+  common_.chooses_lights = !common_.every_light && !scene.light_choice.is_certain();
   if (common_.splits && !scene.may_pass) common_.looks = useful_looks(scene);
   if (looks_up(settings) && !scene.may_pass && !scene.measured) {
     cache_filler_.emplace(settings, usual_pixel_width(scene, camera, settings));

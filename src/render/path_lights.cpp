@@ -89,11 +89,16 @@ void PathBatch::see_emission(int i) {
 
 void PathBatch::aim_at(std::uint32_t light) {
   const auto n = static_cast<std::size_t>(aims_.count);
-  std::optional<LightSample> samples[kBatch];
-  sample_light(scene_.lights[light], std::span<const std::uint32_t>(aims_.part, n),
-               std::span<const Point3>(aims_.from, n), std::span<const Vec2>(aims_.u, n), std::span(samples, n));
-  for (std::size_t j = 0; j < n; ++j)
-    if (samples[j]) aim(aims_.path[j], light, *samples[j], aims_.density[j]);
+  if (const auto* environment = std::get_if<EnvironmentLight>(&scene_.lights[light])) {
+    std::optional<LightSample> samples[kBatch];
+    environment->sample(std::span<const Vec2>(aims_.u, n), std::span(samples, n));  // they wait for memory together
+    for (std::size_t j = 0; j < n; ++j)
+      if (samples[j]) aim(aims_.path[j], light, *samples[j], aims_.density[j]);
+  } else {
+    for (std::size_t j = 0; j < n; ++j)
+      if (const auto sample = sample_light(scene_.lights[light], aims_.part[j], aims_.from[j], aims_.u[j]))
+        aim(aims_.path[j], light, *sample, aims_.density[j]);
+  }
   aims_.count = 0;
 }
 
@@ -108,8 +113,8 @@ void PathBatch::aim(int i, std::uint32_t light, const LightSample& sample, float
   const float pdf = sample.pdf * density;
   float weight = sample.is_delta ? 1.0f : mis_weight(pdf, static_cast<float>(bsdf_samples(i)) * eval.pdf);
   if (common_.photons && !sample.is_delta && is_infinite(scene_.lights[light]))
-    weight *= common_.photons->weight_of_gleam(common_.photons->gleam(paths_[i].chain, vertex, sample.wi),
-                                               receiver(vertex), light, sample.wi, sample.pdf, eval.pdf);
+    weight *= common_.photons->weight_of_gleam(common_.photons->gleam(paths_[i].chain, vertex, sample.wi), asking(i),
+                                               light, sample.wi, sample.pdf, eval.pdf);
   shadow_radiance_[shadow_count_] = paths_[i].throughput * eval.f_cos * sample.radiance * (weight / pdf);
   shadow_rays_[shadow_count_] = shadow_ray(offset_origin(vertex.surface, sample.wi), vertex.surface.position, sample);
   shadow_path_[shadow_count_] = i;
@@ -161,6 +166,8 @@ void PathBatch::sample_lights(int bounce) {
       for (std::uint32_t light = 0; light < scene_.lights.size(); ++light)
         sample_given_light(bounce, light, seeking,
                            samples_of_light(scene_, samples * common_.settings.light_samples, light));
+    else if (scene_.light_choice.is_certain())
+      sample_given_light(bounce, 0, seeking, samples);
     else
       sample_chosen_lights(bounce, seeking, samples);
     left &= ~seeking;
@@ -175,21 +182,24 @@ void PathBatch::sample_lights(int bounce) {
 /// sequence: well spread over the light across all of them.
 void PathBatch::sample_given_light(int bounce, std::uint32_t light, std::uint32_t seeking, int samples) {
   constexpr int kMost = kBatch * kMostSamples;
-  float x[kMost], y[kMost], part[kMost] = {}, unused[kMostSamples];
+  float x[kMost], y[kMost], part[kMost], unused[kMostSamples];
   const int together = std::min(samples, kMostSamples);  // of each path
+  const bool has_parts = part_count(scene_.lights[light]) > 1;
+  const std::uint64_t position = dimension::at(bounce, dimension::position(light));
   for (std::int64_t done = 0; done < samples; done += together) {
     const auto n = static_cast<int>(std::min<std::int64_t>(together, samples - done));
+    if (n == samples) sampler_.points(position, sample_number(0, samples), count_ * n, x, y, n);
     for (std::uint32_t left = seeking; left != 0; left &= left - 1) {
       const int i = std::countr_zero(left);
       const std::uint64_t index = sample_number(i, samples) + static_cast<std::uint64_t>(done);
-      sampler_.points(dimension::at(bounce, dimension::position(light)), index, n, x + i * n, y + i * n, samples);
-      if (part_count(scene_.lights[light]) > 1)
+      if (n < samples) sampler_.points(position, index, n, x + i * n, y + i * n, samples);
+      if (has_parts)
         sampler_.points(dimension::at(bounce, dimension::part(light)), index, n, part + i * n, unused, samples);
     }
     for (int k = 0; k < n; ++k) {
       for (std::uint32_t left = seeking; left != 0; left &= left - 1) {
         const int i = std::countr_zero(left), at_sample = i * n + k;
-        const PartChoice chosen = choose_part(scene_.lights[light], part[at_sample]);
+        const PartChoice chosen = has_parts ? choose_part(scene_.lights[light], part[at_sample]) : PartChoice{};
         aims_.add(i, vertices_[i].surface.position, {x[at_sample], y[at_sample]}, chosen.part,
                   static_cast<float>(samples) * chosen.probability);
       }
@@ -201,17 +211,16 @@ void PathBatch::sample_given_light(int bounce, std::uint32_t light, std::uint32_
 /// Bit i of `seeking` is set for the paths meant.
 void PathBatch::sample_chosen_lights(int bounce, std::uint32_t seeking, int samples) {
   constexpr int kMost = kBatch * kMostSamples;
-  float choice[kMost] = {}, more[kMost] = {}, x[kMost], y[kMost];
+  float choice[kMost], more[kMost], x[kMost], y[kMost];
   const std::uint64_t index = sample_number(0, samples);
-  if (!scene_.light_choice.is_certain())
-    sampler_.points(dimension::at(bounce, dimension::kLightChoice), index, count_ * samples, choice, more, samples);
+  sampler_.points(dimension::at(bounce, dimension::kLightChoice), index, count_ * samples, choice, more, samples);
   sampler_.points(dimension::at(bounce, dimension::position(0)), index, count_ * samples, x, y, samples);
   Receiver at[kBatch];
   int path[kBatch];
   std::size_t n = 0;
   for (std::uint32_t left = seeking; left != 0; left &= left - 1) {
     path[n] = std::countr_zero(left);
-    at[n] = receiver(vertices_[path[n]]);
+    at[n] = asking(path[n]);
     ++n;
   }
   for (int k = 0; k < samples; ++k) {
@@ -285,7 +294,7 @@ void PathBatch::flush_looks(std::span<const Look> looks) {
         radiance += path.throughput * view.radiance * bsdf_weight(path, light, 0, view.pdf);
       }
     } else if (scene_.shapes[hits[j].shape].light != kNone) {
-      const Vertex vertex = find_vertex(scene_, rays[j], hits[j]);
+      const Vertex vertex(scene_, rays[j], hits[j]);
       if (vertex.light != kNone) radiance += path.throughput * vertex.emission * bsdf_weight(path, vertex);
     }
   }
@@ -301,7 +310,7 @@ Spectrum PathBatch::emission_along(Ray ray) {
         radiance += look_at_infinity(scene_.lights[light], ray.direction).radiance * share;
       break;
     }
-    radiance += find_vertex(scene_, ray, hit).emission * share;
+    radiance += Vertex(scene_, ray, hit).emission * share;
     share *= pass_through(scene_, ray, hit);
     ray = straight_on(scene_, ray, hit);
   }

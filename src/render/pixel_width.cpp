@@ -29,7 +29,7 @@ float usual_pixel_width(const RenderScene::Data& scene, const Camera& camera, co
       const RayHit hit = scene.geometry.intersect(ray);
       if (!hit.found()) break;
       way += hit.t;
-      const Vertex vertex = find_vertex(scene, ray, hit);
+      const Vertex vertex(scene, ray, hit);
       if (!vertex.scattering.is_delta()) {
         widths.push_back(camera.projection == Projection::perspective ? per_metre * way : per_metre);
         break;

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/uninitialized.h"
 #include "image/false_color.h"
 #include "render/integrator.h"
 #include "render/pixel_blocks.h"
@@ -134,25 +135,27 @@ void RenderSession::Impl::add_samples(const PixelBlock& block, std::uint32_t fir
   const auto of_first_half = [&](std::uint32_t samples) { return second_integrator ? (samples + 1) / 2 : samples; };
   const std::uint32_t begin = of_first_half(first), here = of_first_half(first + count) - begin, there = count - here;
   const auto pixels = static_cast<std::size_t>(block.size());
-  PixelSample batch[Geometry::kBatch * PixelBlock::kMost];
-  const std::span first_half(batch, pixels * here), second_half(batch + pixels * here, pixels * there);
+  UninitializedArray<PixelSample, Geometry::kBatch * PixelBlock::kMost> batch;
+  for (std::size_t i = 0; i < pixels * count; ++i) batch.emplace(i);
+  const std::span first_half(&batch[0], pixels * here), second_half(&batch[0] + pixels * here, pixels * there);
   if (here > 0) counts.rays += integrator->estimate(block, begin, static_cast<int>(here), first_half);
   if (there > 0) counts.rays += second_integrator->estimate(block, first - begin, static_cast<int>(there), second_half);
   const PixelBlock seen = visible(block);
   for (int y = seen.y; y < seen.y + seen.height; ++y)
     for (int x = seen.x; x < seen.x + seen.width; ++x) {
       const auto pixel = static_cast<std::size_t>((y - block.y) * block.width + x - block.x);
-      PixelSample own[Geometry::kBatch];
-      std::copy_n(first_half.data() + pixel * here, here, own);
-      std::copy_n(second_half.data() + pixel * there, there, own + here);
+      UninitializedArray<PixelSample, Geometry::kBatch> gathered;
+      for (std::uint32_t i = 0; i < count; ++i)
+        gathered.emplace(i, i < here ? first_half[pixel * here + i] : second_half[pixel * there + i - here]);
+      const std::span own(&gathered[0], count);
       for (std::uint32_t i = 0; i < count; ++i) {
         if (is_valid(own[i].radiance)) continue;
         note_invalid(x, y, first + i);
         own[i].radiance = Spectrum(0);
       }
       if (settings.clamp)
-        for (PixelSample& sample : std::span(own, count)) sample.radiance = clamped(sample.radiance, *settings.clamp);
-      film.add(x - window.x, y - window.y, std::span(own, count), here);
+        for (PixelSample& sample : own) sample.radiance = clamped(sample.radiance, *settings.clamp);
+      film.add(x - window.x, y - window.y, own, here);
     }
   counts.samples += static_cast<std::uint64_t>(seen.size()) * count;
 }

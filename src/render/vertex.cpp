@@ -3,49 +3,47 @@
 namespace etendue {
 namespace {
 
-MaterialPoint material_point(const RenderScene::Data& scene, const Material& material, const Ray& ray,
+MaterialPoint material_point(const RenderScene::Data& scene, const Material& material, const SurfaceHit& surface,
                              const RayHit& hit) {
   MaterialPoint point;
-  point.surface = scene.geometry.surface(ray, hit);
+  point.surface = surface;
   if (material.needs_tangents) {
-    point.parametrization = scene.geometry.parametrization(hit, point.surface);
-    point.texture = {point.parametrization.uv, point.surface.position, &scene.geometry, hit};
+    point.parametrization = scene.geometry.parametrization(hit, surface);
+    point.texture = {point.parametrization.uv, surface.position, &scene.geometry, hit};
   } else if (material.needs_texture_point) {
-    point.texture = {scene.geometry.texture_coordinates(hit, point.surface), point.surface.position, &scene.geometry,
-                     hit};
+    point.texture = {scene.geometry.texture_coordinates(hit, surface), surface.position, &scene.geometry, hit};
   }
   return point;
 }
 
+Scattering scatter(const RenderScene::Data& scene, const SurfaceHit& surface, const RayHit& hit, const Vec3& wo) {
+  const std::uint32_t material = scene.shapes[hit.shape].material;
+  return scatter(scene.materials, material, scene.textures,
+                 material_point(scene, scene.materials[material], surface, hit), wo);
+}
+
 }  // namespace
 
-Receiver receiver(const Vertex& vertex) {
+Receiver receiver(const Vertex& vertex, const Vec3& viewer) {
   if (vertex.scattering.transmits()) return {vertex.surface.position};
   const Vec3& n = vertex.surface.geometric_normal;
   const Gloss gloss = vertex.scattering.gloss();
-  return {vertex.surface.position, dot(n, vertex.wo) < 0 ? -n : n, vertex.wo, gloss.share, square(gloss.width)};
+  return {vertex.surface.position, dot(n, viewer) < 0 ? -n : n, viewer, gloss.share, square(gloss.width)};
 }
 
-Vertex find_vertex(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {
+Vertex::Vertex(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit)
+    : wo(-ray.direction), surface(scene.geometry.surface(ray, hit)), scattering(scatter(scene, surface, hit, wo)) {
   const RenderScene::Data::ShapeInfo& shape = scene.shapes[hit.shape];
+  if (shape.light == kNone || dot(wo, surface.geometric_normal) <= 0) return;
   const Material& material = scene.materials[shape.material];
-  const MaterialPoint point = material_point(scene, material, ray, hit);
-  Vertex vertex{point.surface, -ray.direction,
-                scatter(scene.materials, shape.material, scene.textures, point, -ray.direction)};
-  if (shape.light != kNone && dot(vertex.wo, point.surface.geometric_normal) > 0) {
-    vertex.emission = evaluate_color(material.emission, scene.textures, point.texture);
-    vertex.light = shape.light;
-    vertex.light_hit = {point.surface.position, point.surface.geometric_normal, hit.primitive, hit.u, hit.v};
-  }
-  return vertex;
+  emission = evaluate_color(material.emission, scene.textures, material_point(scene, material, surface, hit).texture);
+  light = shape.light;
+  light_hit = {surface.position, surface.geometric_normal, hit.primitive, hit.u, hit.v};
 }
 
 Spectrum pass_through(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {
-  const std::uint32_t index = scene.shapes[hit.shape].material;
-  const Material& material = scene.materials[index];
-  if (!material.may_pass) return Spectrum(0);
-  const MaterialPoint point = material_point(scene, material, ray, hit);
-  return scatter(scene.materials, index, scene.textures, point, -ray.direction).straight_through();
+  if (!scene.materials[scene.shapes[hit.shape].material].may_pass) return Spectrum(0);
+  return scatter(scene, scene.geometry.surface(ray, hit), hit, -ray.direction).straight_through();
 }
 
 Ray straight_on(const RenderScene::Data& scene, const Ray& ray, const RayHit& hit) {

@@ -413,7 +413,7 @@ bool VolumePathIntegrator::Walk::scatter_in_medium(float t) {
 
 bool VolumePathIntegrator::Walk::meet_surface(const RayHit& hit) {
   const RenderScene::Data::ShapeInfo& shape = scene_.shapes[hit.shape];
-  const Vertex vertex = find_vertex(scene_, ray_, hit);
+  const Vertex vertex(scene_, ray_, hit);
   const Scattering& scattering = vertex.scattering;
   const Vec3& ng = vertex.surface.geometric_normal;
   if (vertex.light != kNone) see_emission(vertex);
