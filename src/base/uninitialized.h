@@ -9,7 +9,7 @@ namespace etendue {
 
 /// Room for N values that begin to live one by one: where many are kept at hand and few are needed, making them all
 /// first would cost more than their use.
-template <typename T, std::size_t N>
+template <typename T, int N>
 class UninitializedArray {
   static_assert(std::is_trivially_destructible_v<T>);
 

@@ -69,7 +69,8 @@ unsigned PhotonSpread::levels_around(const Point3& position) const {
   static_assert(kCoarse >= 1 << (kLevels - 1), "steps as wide as the largest radius would leave out cells");
   unsigned levels = 0;
   for (int i = 0; i < 27; ++i) {
-    const Vec3 step(static_cast<float>(i % 3 - 1), static_cast<float>(i / 3 % 3 - 1), static_cast<float>(i / 9 - 1));
+    const int x = i % 3 - 1, y = i / 3 % 3 - 1, z = i / 9 - 1;
+    const Vec3 step(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
     levels |= 1u << level(position + step * reach_);
   }
   return levels;

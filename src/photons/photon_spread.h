@@ -17,7 +17,7 @@ class PhotonSpread {
   /// Disks are as large as the finest, or 2, 4, 8 or 16 times as wide.
   static constexpr int kLevels = 5;
   /// Two grids of up to eight buckets a photon of the pilot.
-  static constexpr std::size_t kBytesPerPhoton = 2 * 8 * (sizeof(std::uint32_t) + sizeof(Vec3));
+  static constexpr std::size_t kBytesPerPhoton = 2 * (8 * (sizeof(std::uint32_t) + sizeof(Vec3)));
 
   PhotonSpread() = default;
   /// `pilot`: each stands for so many of those that there will be. `finest`: radius in metres.
@@ -58,7 +58,7 @@ class PhotonMaps {
   static constexpr std::size_t kBytesPerPhoton = PhotonSpread::kLevels * PhotonMap::kBytesPerPhoton;
   static constexpr std::size_t kFewestBytes = PhotonSpread::kLevels * PhotonMap::kFewestBytes;
   /// More for what is needed while they are made: lists that grow to up to twice what they hold.
-  static constexpr std::size_t kBytesToMake = 2 * PhotonSpread::kLevels * sizeof(Photon) + PhotonMap::kBytesToMake;
+  static constexpr std::size_t kBytesToMake = 2 * (PhotonSpread::kLevels * sizeof(Photon)) + PhotonMap::kBytesToMake;
 
   PhotonMaps() = default;
   /// `finest`: radius, at most that of the spread.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMostBounces = SpecularChain::kMostBounces;
 /// One photon is emitted for so many samples of pixels, as far as memory allows.
-constexpr std::uint64_t kSamplesPerPhoton = 2 * Geometry::kBatch;
+constexpr std::uint64_t kSamplesPerPhoton = std::uint64_t{2} * Geometry::kBatch;
 /// More are, up to so many times, where fewer than one arrives of each.
 constexpr double kMostMore = 4;
 constexpr std::uint32_t kChunk = 1024;

@@ -192,9 +192,10 @@ void PathBatch::sample_given_light(int bounce, std::uint32_t light, std::uint32_
     for (std::uint32_t left = seeking; left != 0; left &= left - 1) {
       const int i = std::countr_zero(left);
       const std::uint64_t index = sample_number(i, samples) + static_cast<std::uint64_t>(done);
-      if (n < samples) sampler_.points(position, index, n, x + i * n, y + i * n, samples);
+      const std::ptrdiff_t own = std::ptrdiff_t{i} * n;
+      if (n < samples) sampler_.points(position, index, n, x + own, y + own, samples);
       if (has_parts)
-        sampler_.points(dimension::at(bounce, dimension::part(light)), index, n, part + i * n, unused, samples);
+        sampler_.points(dimension::at(bounce, dimension::part(light)), index, n, part + own, unused, samples);
     }
     for (int k = 0; k < n; ++k) {
       for (std::uint32_t left = seeking; left != 0; left &= left - 1) {

@@ -21,9 +21,9 @@ float usual_pixel_width(const RenderScene::Data& scene, const Camera& camera, co
   std::vector<float> widths;
   for (std::uint32_t i = 0; i < kRays * kRays; ++i) {
     const PixelSampler sampler(SamplerKind::independent, 0, i, kRow);
+    const std::uint32_t column = i % kRays, row = i / kRays;
     Ray ray = generate_ray(
-        camera, Vec2(static_cast<float>(i % kRays) + 0.5f, static_cast<float>(i / kRays) + 0.5f) * (1.0f / kRays),
-        {0.5f, 0.5f});
+        camera, Vec2(static_cast<float>(column) + 0.5f, static_cast<float>(row) + 0.5f) * (1.0f / kRays), {0.5f, 0.5f});
     float way = 0;
     for (std::uint32_t bounce = 0; bounce < kMirrors; ++bounce) {
       const RayHit hit = scene.geometry.intersect(ray);

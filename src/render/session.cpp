@@ -249,7 +249,7 @@ void RenderSession::Impl::render_to(std::uint32_t target, const std::stop_token&
   });
 }
 
-void RenderSession::render_pass(std::stop_token stop, int samples) {
+void RenderSession::render_pass(const std::stop_token& stop, int samples) {
   Impl& s = *impl_;
   const auto start = Clock::now();
   const auto n = static_cast<std::uint32_t>(samples > 0 ? samples : s.pass_samples);

@@ -37,7 +37,7 @@ class RenderSession {
 
   /// Adds `samples` samples, rounded up to whole batches, to every unfinished pixel (0: a number that keeps passes near
   /// half a second). Returns early, with every pixel in a valid state, when a stop is asked for.
-  void render_pass(std::stop_token stop, int samples = 0);
+  void render_pass(const std::stop_token& stop, int samples = 0);
 
   /// What the picture's expectation is: "unbiased", or what is not and why, in a few words.
   std::string estimator() const;

@@ -377,7 +377,7 @@ std::optional<RadianceRecord> VolumePathIntegrator::Walk::record_at(const Vertex
 
 /// Whether the path, on its way to something to be recorded, has come there: what it finds from now on is.
 bool VolumePathIntegrator::Walk::starts_recording(const std::optional<RadianceRecord>& record) {
-  if (!seeks_record() || !record) return false;
+  if (record_ == nullptr || *record_ || !record) return false;
   *record_ = record;
   sample_.radiance = Spectrum(0);
   return true;
