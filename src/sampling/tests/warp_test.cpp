@@ -88,6 +88,19 @@ TEST(DiskWarp, IsUniformByArea) {
   EXPECT_FLOAT_EQ(disk_pdf() * kPi, 1);
 }
 
+TEST(DiskWarp, IsShirleyAndChiusToTheLastBits) {
+  Random random(7);
+  for (int i = 0; i < 10000; ++i) {
+    const Vec2 u = random.point();
+    const double x = 2 * u.x - 1, y = 2 * u.y - 1;
+    const bool wide = std::abs(x) > std::abs(y);
+    const double r = wide ? x : y, angle = std::numbers::pi / 4 * (wide ? y / x : 2 - x / y);
+    const Vec2 d = sample_disk_concentric(u);
+    EXPECT_NEAR(d.x, r * std::cos(angle), 2e-7);
+    EXPECT_NEAR(d.y, r * std::sin(angle), 2e-7);
+  }
+}
+
 TEST(DiskWarp, KeepsNeighbours) {
   Random random(3);
   for (int i = 0; i < 10000; ++i) {
