@@ -2,7 +2,7 @@
 //   rays/s               all rays traced, over the wall time of the passes, on 2 threads
 //   trace bound          of plain paths: time for the same rays as single queries, over that of the render, 1 thread
 //   inverse efficiency   CPU seconds × mean over pixels of variance / (mean² + 0.01), from independent seeds
-// and reading and building a file of a million triangles.
+// and reading and building a file of a million triangles. With the argument `trace-bound`, that alone.
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -241,8 +241,13 @@ void run(bool trace_bound_only) {
 }  // namespace etendue
 
 int main(int argc, char** argv) {
+  const bool trace_bound_only = argc == 2 && std::string_view(argv[1]) == "trace-bound";
+  if (argc > 1 && !trace_bound_only) {
+    fmt::print(stderr, "usage: render_bench [trace-bound]\n");
+    return 2;
+  }
   try {
-    etendue::run(argc > 1 && std::string_view(argv[1]) == "trace-bound");
+    etendue::run(trace_bound_only);
   } catch (const etendue::Error& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;

@@ -282,6 +282,21 @@ std::uint32_t part_at(const Light& light, const LightHit& hit);
 /// A way in which a part shines on `from`; its density knows nothing of the part's choice. Nothing if it cannot be seen
 /// from there.
 std::optional<LightSample> sample_light(const Light& light, std::uint32_t part, const Point3& from, Vec2 u);
+/// The same for many points, at most 16: take(i, sample) for each that there is, from from[i] by part[i] and u[i].
+/// Those of an environment wait for memory together.
+template <typename Take>
+void sample_light(const Light& light, std::span<const std::uint32_t> part, std::span<const Point3> from,
+                  std::span<const Vec2> u, Take&& take) {
+  if (const auto* environment = std::get_if<EnvironmentLight>(&light)) {
+    std::optional<LightSample> samples[16];
+    environment->sample(u, std::span(samples, u.size()));
+    for (std::size_t i = 0; i < u.size(); ++i)
+      if (samples[i]) take(i, *samples[i]);
+  } else {
+    for (std::size_t i = 0; i < u.size(); ++i)
+      if (const auto sample = sample_light(light, part[i], from[i], u[i])) take(i, *sample);
+  }
+}
 /// Density with which sample_light gives the direction to a point of a finite light, from the part that is there; 0 for
 /// lights without surface.
 float light_pdf(const Light& light, const Point3& from, const LightHit& hit);

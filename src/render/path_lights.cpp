@@ -89,16 +89,9 @@ void PathBatch::see_emission(int i) {
 
 void PathBatch::aim_at(std::uint32_t light) {
   const auto n = static_cast<std::size_t>(aims_.count);
-  if (const auto* environment = std::get_if<EnvironmentLight>(&scene_.lights[light])) {
-    std::optional<LightSample> samples[kBatch];
-    environment->sample(std::span<const Vec2>(aims_.u, n), std::span(samples, n));  // they wait for memory together
-    for (std::size_t j = 0; j < n; ++j)
-      if (samples[j]) aim(aims_.path[j], light, *samples[j], aims_.density[j]);
-  } else {
-    for (std::size_t j = 0; j < n; ++j)
-      if (const auto sample = sample_light(scene_.lights[light], aims_.part[j], aims_.from[j], aims_.u[j]))
-        aim(aims_.path[j], light, *sample, aims_.density[j]);
-  }
+  sample_light(scene_.lights[light], std::span<const std::uint32_t>(aims_.part, n),
+               std::span<const Point3>(aims_.from, n), std::span<const Vec2>(aims_.u, n),
+               [&](std::size_t j, const LightSample& sample) { aim(aims_.path[j], light, sample, aims_.density[j]); });
   aims_.count = 0;
 }
 
