@@ -81,6 +81,10 @@ PixelFilter::PixelFilter(const scene::ReconstructionFilter& filter)
   }
 }
 
+bool PixelFilter::has_negative_lobes() const {
+  return std::ranges::any_of(cells_, [](const Cell& cell) { return cell.weight < 0; });
+}
+
 float PixelFilter::sample_axis(float u, float& weight) const {
   const float scaled = u * kCells;
   const int index = std::min(static_cast<int>(scaled), kCells - 1);

@@ -23,6 +23,7 @@ class PixelFilter {
   Sample sample(Vec2 u) const;
 
   bool is_box() const { return cells_.empty(); }
+  bool has_negative_lobes() const;
   float radius() const { return radius_; }
   /// The filter in one dimension, before its integral is made 1.
   static float value(const scene::ReconstructionFilter& filter, float x);

@@ -45,11 +45,15 @@ void CameraRays::generate(const PixelSampler& sampler, int x, int y, std::uint32
       continue;
     }
     const PixelFilter::Sample at = filter_.sample({fu[i], fv[i]});
-    const Vec2 film((static_cast<float>(x) + 0.5f + at.offset.x) / static_cast<float>(width_),
-                    (static_cast<float>(y) + 0.5f + at.offset.y) / static_cast<float>(height_));
-    rays[i] = generate_ray(camera_, film, has_lens ? Vec2(lu[i], lv[i]) : Vec2(0.5f));
+    rays[i] = ray(x, y, at, has_lens ? Vec2(lu[i], lv[i]) : Vec2(0.5f));
     samples[i].weight = at.weight;
   }
+}
+
+Ray CameraRays::ray(int x, int y, const PixelFilter::Sample& at, const Vec2& lens) const {
+  const Vec2 film((static_cast<float>(x) + 0.5f + at.offset.x) / static_cast<float>(width_),
+                  (static_cast<float>(y) + 0.5f + at.offset.y) / static_cast<float>(height_));
+  return generate_ray(camera_, film, lens);
 }
 
 void CameraRays::describe(const Ray& ray, const SurfaceHit& surface, PixelSample& sample) const {

@@ -20,10 +20,15 @@ class CameraRays {
   /// Rays of samples first, first + 1, … of pixel (x, y); the samples are cleared and given their weights.
   void generate(const PixelSampler& sampler, int x, int y, std::uint32_t first, std::span<Ray> rays,
                 std::span<PixelSample> samples) const;
+  /// The ray of a sample of a thin lens camera's pixel with these random numbers. A pinhole uses the first alone.
+  Ray ray(int x, int y, const Vec2& film, const Vec2& lens) const { return ray(x, y, filter_.sample(film), lens); }
+  /// Whether all samples of a pixel have the same weight.
+  bool all_weigh_alike() const { return !filter_.has_negative_lobes() && !scene_.measured; }
   /// What the film remembers of the first surface.
   void describe(const Ray& ray, const SurfaceHit& surface, PixelSample& sample) const;
 
  private:
+  Ray ray(int x, int y, const PixelFilter::Sample& at, const Vec2& lens) const;
   const RenderScene::Data& scene_;
   Camera camera_;
   PixelFilter filter_;

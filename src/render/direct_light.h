@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "render/scene_data.h"
 
 /// What path integrators share of next-event estimation.
@@ -18,6 +20,11 @@ inline Ray shadow_ray(const Point3& start, const Point3& from, const LightSample
   const Vec3 d = (from - start) + sample.wi * sample.distance + sample.normal * error;
   const float distance = length(d);
   return {start, d * (1 / distance), 0, distance};
+}
+
+/// Whether some light is a surface in the scene.
+inline bool has_lamps(const RenderScene::Data& scene) {
+  return std::ranges::any_of(scene.lights, [](const Light& l) { return !is_infinite(l) && !is_delta(l); });
 }
 
 /// How many samples of a light a vertex takes if it asks every light: `light_samples`, but no more than one of a light

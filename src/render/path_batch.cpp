@@ -31,8 +31,10 @@ PathBatch::PathBatch(const PathCommons& common, int x, int y, std::uint32_t firs
       samples_(samples),
       shared_(shared),
       records_(records),
+      x_(x),
+      y_(y),
       count_(static_cast<int>(samples.size())) {
-  start(x, y);
+  start();
 }
 
 std::uint64_t PathBatch::run() {
@@ -41,9 +43,9 @@ std::uint64_t PathBatch::run() {
   return rays_;
 }
 
-void PathBatch::start(int x, int y) {
+void PathBatch::start() {
   Ray rays[kBatch];
-  common_.camera_rays.generate(sampler_, x, y, first_, std::span(rays, count_), samples_);
+  common_.camera_rays.generate(sampler_, x_, y_, first_, std::span(rays, count_), samples_);
   scene_.geometry.intersect_coherent(std::span<const Ray>(rays, count_), std::span(hits_, count_));
   rays_ += count_;
   for (int i = 0; i < count_; ++i) {

@@ -8,6 +8,7 @@
 #include "render/camera_rays.h"
 #include "render/caustic_photons.h"
 #include "render/direct_light.h"
+#include "render/long_chains.h"
 #include "render/path_reuse.h"
 #include "render/radiance_cache.h"
 #include "render/vertex.h"
@@ -29,6 +30,7 @@ struct PathCommons {
   /// neither diffuse nor a mirror.
   int looks = 1;
   std::optional<CausticPhotons> photons = {};
+  std::optional<LongChains> long_chains = {};
   float cell_side = 0;  ///< of the first generation's cells of the cache, in metres; 0: nothing is looked up
   std::optional<RadianceCache> cache = {};
 };
@@ -83,7 +85,7 @@ class PathBatch {
     Path from;  ///< the path, if it went that way
   };
 
-  void start(int x, int y);
+  void start();
   void follow(int first_bounce);
   bool branches_off(int i) const;
   std::optional<BsdfSample> branch_off(int i);
@@ -160,6 +162,7 @@ class PathBatch {
   std::span<PixelSample> samples_;
   std::span<SharedPath> shared_;
   std::span<std::optional<RadianceRecord>> records_;
+  int x_, y_;  ///< of the pixel
   int count_;
   std::uint64_t rays_ = 0;
 

@@ -26,9 +26,7 @@ bool shares_paths(const RenderSettings& settings) {
 
 /// Lamps are small and lit surfaces show their images: more directions find them. A sky is found by few.
 int useful_looks(const RenderScene::Data& scene) {
-  const bool has_lamps =
-      std::ranges::any_of(scene.lights, [](const Light& l) { return !is_infinite(l) && !is_delta(l); });
-  return has_lamps ? PathCommons::kMostLooks : PathCommons::kMostLooks / 2;
+  return has_lamps(scene) ? PathCommons::kMostLooks : PathCommons::kMostLooks / 2;
 }
 
 /// Two lights, such as a lamp and the sky, are better both asked than one of them by chance. Of more, the light tree
@@ -50,6 +48,10 @@ PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& cam
   common_.every_light = common_.settings.light_samples > 0;
   common_.chooses_lights = !common_.every_light && !scene.light_choice.is_certain();
   if (common_.splits && !scene.may_pass) common_.looks = useful_looks(scene);
+  if (common_.splits) {
+    common_.long_chains.emplace(scene, common_.camera_rays, settings);
+    if (!common_.long_chains->possible()) common_.long_chains.reset();
+  }
   if (looks_up(settings) && !scene.may_pass && !scene.measured) {
     cache_filler_.emplace(settings, usual_pixel_width(scene, camera, settings));
     common_.cell_side = cache_filler_->cell_side();
@@ -75,6 +77,7 @@ std::uint32_t PathIntegrator::generation_size() const {
 
 std::uint64_t PathIntegrator::prepare(std::uint32_t generation) {
   std::uint64_t rays = common_.photons ? common_.photons->trace(generation) : 0;
+  if (common_.long_chains) rays += common_.long_chains->look_ahead();
   if (common_.cell_side > 0) rays += fill_cache(generation);
   return rays;
 }
@@ -98,11 +101,12 @@ std::uint64_t PathIntegrator::estimate(const PixelBlock& block, std::uint32_t fi
   std::vector<SharedPath> shared(reuse_ ? samples.size() : 0);
   std::uint64_t rays = 0;
   for (int pixel = 0; pixel < block.size(); ++pixel) {
+    const int x = block.x + pixel % block.width, y = block.y + pixel / block.width;
     const auto begin = static_cast<std::size_t>(pixel) * count;
-    rays +=
-        PathBatch(common_, block.x + pixel % block.width, block.y + pixel / block.width, first,
-                  samples.subspan(begin, count), reuse_ ? std::span(shared).subspan(begin, count) : std::span(shared))
-            .run();
+    const std::span<PixelSample> own = samples.subspan(begin, count);
+    rays += PathBatch(common_, x, y, first, own, reuse_ ? std::span(shared).subspan(begin, count) : std::span(shared))
+                .run();
+    if (common_.long_chains) rays += common_.long_chains->follow(x, y, first, own);
   }
   return reuse_ ? rays + share(shared, block.size(), count, samples) : rays;
 }
