@@ -69,12 +69,7 @@ Place glass_wall_mirror_floor() {
 }
 
 Look look_at(int depth = kUnlimitedDepth) {
-  Look look;
-  look.depth = depth;
-  look.whole_side = look.side = 64;
-  look.plain_samples = 128;
-  look.samples = 64;
-  return look;
+  return small_look(64, depth);
 }
 
 void expect_same(const Place& place, const Technique& technique, const Look& look) {

@@ -31,12 +31,7 @@ Place lamp_behind(MaterialId (*material)(SceneKit&), bool is_open, float size = 
 }
 
 Look look_at(int depth = kUnlimitedDepth) {
-  Look look;
-  look.depth = depth;
-  look.whole_side = look.side = 64;
-  look.plain_samples = 128;
-  look.samples = 32;
-  return look;
+  return small_look(32, depth);
 }
 
 void expect_same(const Place& place, const Look& look) {
@@ -50,12 +45,18 @@ TEST(LongChains, MirrorsOfAsManyBouncesAsCount) {
   expect_same(lamp_behind(mirror, true), look_at(6));
 }
 /// Beside its delta lobe such a surface has another, where chains end.
-TEST(LongChains, PolishedPlasticAmongMirrors) {
-  Place place = lamp_behind(mirror, true);
+TEST(LongChains, PolishedPlasticBehindGlass) {
+  Place place;
   SceneKit& kit = place.kit;
-  const MaterialId polish = kit.material(scene::PlasticMaterial{.diffuse = Spectrum(0.02f), .ior = 4});
-  kit.quad({-0.3f, -0.25f, 0}, {0.6f, 0, 0}, {0, 0, -4}, polish);
-  kit.quad({-0.25f, -0.3f, 0}, {0, 0, -4}, {0, 0.6f, 0}, polish);
+  const MaterialId panes = glass(kit);
+  for (const float z : {0.3f, 0.1f}) {
+    kit.quad({-1, -1, z}, {2, 0, 0}, {0, 2, 0}, panes);
+    kit.quad({-1, -1, z - 0.05f}, {0, 2, 0}, {2, 0, 0}, panes);
+  }
+  kit.quad({-2, -0.4f, 0}, {4, 0, 0}, {0, 0, -4},
+           kit.material(scene::PlasticMaterial{.diffuse = Spectrum(0.02f), .ior = 4}));
+  kit.quad({-1, -0.3f, -3}, {2, 0, 0}, {0, 1, 0}, kit.emitter(Spectrum(10)));
+  place.camera = pinhole({0, 0, 0.5f}, {0, -0.4f, -1}, 0.3f);
   expect_same(place, look_at());
 }
 TEST(LongChains, Glass) {

@@ -64,6 +64,10 @@ RenderSettings with(const Technique& technique, RenderSettings settings) {
   return settings;
 }
 
+Look small_look(int samples, int depth) {
+  return {.whole_side = 64, .side = 64, .depth = depth, .plain_samples = 128, .samples = samples};
+}
+
 MaterialId glass(SceneKit& kit) {
   return kit.material(scene::GlassMaterial{Spectrum(1), {0.9f, 1, 0.8f}, 1.5f});
 }

@@ -41,6 +41,9 @@ struct Look {
   double blur = 0;  ///< share of its mean that a technique carries across the border of the part or a quarter
 };
 
+/// A small picture as a whole, for techniques that carry nothing far; `samples` of theirs for 128 of plain paths.
+Look small_look(int samples, int depth);
+
 /// Expects the means of all techniques to be those of plain path tracing. Pixels of such pictures know of each other,
 /// so seeds are what is compared. Precise enough to see an error of 1 % of the whole, and of a few per cent of a
 /// quarter.
