@@ -165,34 +165,6 @@ std::uint64_t CameraChains::follow(int x, int y, std::uint32_t first, std::span<
   return rays + trace(chains, sampler, first, samples);
 }
 
-/// Sends a chain on from where it is, as paths go: both ways early on, else as the random number says that draw()
-/// gives. Most are reflected totally, which takes none.
-template <typename Draw>
-void CameraChains::go_on(const Chain& chain, const Vertex& vertex, Chains& chains, const Draw& draw) {
-  const Scattering& scattering = vertex.scattering;
-  // A polished surface may have both: a delta lobe, which the chain follows, and others, where it ends.
-  const auto leave = [&](const std::optional<BsdfSample>& way, int branches_left, const auto& add) {
-    if (!way || !way->is_delta()) return;
-    const Chain next = {.throughput = chain.throughput * way->weight,
-                        .eta_scale = chain.eta_scale * square(way->eta),
-                        .bounces = chain.bounces + 1,
-                        .branches_left = branches_left,
-                        .number = chain.number};
-    if (!next.throughput.is_black()) add({offset_origin(vertex.surface, way->wi), way->wi}, next);
-  };
-  const auto now = [&](const Ray& ray, const Chain& next) { chains.add(ray, next); };
-  const auto later = [&](const Ray& ray, const Chain& next) { chains.add_later(ray, next); };
-  const float worth =
-      chain.branches_left > 0 ? worth_of_darker_way(scattering, chain.throughput, chain.eta_scale) : 0.0f;
-  if (worth < kLeastBranch) {
-    const bool is_certain = scattering.reflection_probability() == 1;
-    leave(scattering.sample(Vec2(0.5f), is_certain ? 0 : draw()), chain.branches_left, now);
-  } else {
-    if (follows_branch(worth)) leave(one_way(scattering, false), 0, later);
-    leave(one_way(scattering, true), chain.branches_left - 1, now);
-  }
-}
-
 /// Follows chains to their ends.
 std::uint64_t CameraChains::trace(Chains& chains, const PixelSampler& sampler, std::uint32_t first,
                                   std::span<PixelSample> samples) const {
@@ -215,14 +187,37 @@ std::uint64_t CameraChains::trace(Chains& chains, const PixelSampler& sampler, s
       if (chain.bounces >= 1 && vertex.light != kNone)
         samples[chain.number / kChains].radiance += chain.throughput * vertex.emission * kWeight;
       if (chain.bounces == most_bounces_ || vertex.scattering.is_lambertian()) continue;
-      go_on(chain, vertex, chains, [&] {
-        const std::uint64_t number = std::uint64_t{first} * kChains + chain.number;
-        return sampler.point(dimension::at(chain.bounces, dimension::kLobeAndRoulette), number).x;
-      });
+      const std::uint64_t number = std::uint64_t{first} * kChains + chain.number;
+      go_on(chain, vertex, sampler.point(dimension::at(chain.bounces, dimension::kLobeAndRoulette), number).x, chains);
     }
     if (chains.count == 0) chains.take_up();
   }
   return traced;
+}
+
+/// Sends a chain on from where it is, as paths go: both ways early on, else as `choice` says.
+void CameraChains::go_on(const Chain& chain, const Vertex& vertex, float choice, Chains& chains) {
+  const Scattering& scattering = vertex.scattering;
+  // A polished surface may have both: a delta lobe, which the chain follows, and others, where it ends.
+  const auto leave = [&](const std::optional<BsdfSample>& way, int branches_left, const auto& add) {
+    if (!way || !way->is_delta()) return;
+    const Chain next = {.throughput = chain.throughput * way->weight,
+                        .eta_scale = chain.eta_scale * square(way->eta),
+                        .bounces = chain.bounces + 1,
+                        .branches_left = branches_left,
+                        .number = chain.number};
+    if (!next.throughput.is_black()) add({offset_origin(vertex.surface, way->wi), way->wi}, next);
+  };
+  const auto now = [&](const Ray& ray, const Chain& next) { chains.add(ray, next); };
+  const auto later = [&](const Ray& ray, const Chain& next) { chains.add_later(ray, next); };
+  const float worth =
+      chain.branches_left > 0 ? worth_of_darker_way(scattering, chain.throughput, chain.eta_scale) : 0.0f;
+  if (worth < kLeastBranch) {
+    leave(scattering.sample(Vec2(0.5f), choice), chain.branches_left, now);
+  } else {
+    if (follows_branch(worth)) leave(one_way(scattering, false), 0, later);
+    leave(one_way(scattering, true), chain.branches_left - 1, now);
+  }
 }
 
 /// Moves what a camera ray meets behind the lamps that are not to be seen. Returns the rays traced.

@@ -50,8 +50,7 @@ class CameraChains {
   void widen(const std::vector<Mask>& seen);
   std::uint64_t trace(Chains& chains, const PixelSampler& sampler, std::uint32_t first,
                       std::span<PixelSample> samples) const;
-  template <typename Draw>
-  static void go_on(const Chain& chain, const Vertex& vertex, Chains& chains, const Draw& draw);
+  static void go_on(const Chain& chain, const Vertex& vertex, float choice, Chains& chains);
   std::uint64_t look_behind_lights(Ray& ray, RayHit& hit) const;
   /// Of pixel (x, y), where it is within the window; none elsewhere.
   Mask cells(int x, int y) const { return is_within(x, y) ? cells_[index(x, y)] : Mask{0}; }
