@@ -154,12 +154,14 @@ class Measured:
 
 def samples_for(program, scene, definitions, seconds, folder):
     """As many as take about `seconds` of processor time; a few samples tell too little about fast ones, which get a second try."""
+    def time_of(samples):
+        return max(program.render(scene, definitions, samples, 1000, folder / "first.exr").seconds, 1e-3)
+
     samples = FIRST_SAMPLES
-    for _ in range(2):
-        took = max(program.render(scene, definitions, samples, 1000, folder / "first.exr").seconds, 1e-3)
-        if took > seconds / 4:
-            break
+    took = time_of(samples)
+    if took < seconds / 4:
         samples = int(samples * min(seconds / 2 / took, 8)) + 1
+        took = time_of(samples)
     return max(2, round(samples * seconds / took))
 
 
