@@ -143,7 +143,8 @@ void add_sampling_flags(CLI::App& app, RenderFlags& f) {
                      "Rays through even fog gather light of lamps on their whole way (default auto)")
       ->group("Sampling");
   flags::choice<Use>(app, "--splitting", s.splitting, uses,
-                     "Several lights asked at early vertices, both ways at glass, more long ways inside (default auto)")
+                     "Several lights asked at early vertices, both ways at glass, more rays by mirrors and glass alone "
+                     "(default auto)")
       ->group("Sampling");
   flags::number(app, "--clamp", s.clamp, Range{1e-6f, kHuge}, "X",
                 "No sample counts as brighter than this; biased (default: off)")

@@ -6,15 +6,11 @@
 namespace etendue {
 namespace {
 
-/// Paths of fewer bounces than this are never ended by roulette, nor are those of fewer than the second that nothing
-/// but mirrors and glass has scattered: branches are worth less, so that it would undo the branching, …
-constexpr int kRouletteStart = 5, kRouletteStartInGlass = 16;
-/// … unless they passed straight through very many surfaces.
-constexpr int kManySegments = 1000;
+/// Paths of fewer bounces than this are never ended by roulette, unless they passed straight through very many
+/// surfaces.
+constexpr int kRouletteStart = 5, kManySegments = 1000;
 constexpr float kMaxSurvival = 0.99f;
 
-/// The camera's paths branch where both ways are worth that much of the pixel at least.
-constexpr float kLeastBranch = 0.01f;
 /// A wave of branches draws random numbers of so many bounces of its own.
 constexpr int kBouncesOfWave = 1 << 16;
 
@@ -185,6 +181,13 @@ void PathBatch::gather_photons() {
   }
 }
 
+/// Of what a path finds, for roulette. What nothing but mirrors and glass has scattered has to find lamps by chance,
+/// and its branches are to last: it is worth all while it is worth branching.
+float PathBatch::worth(const Path& path) {
+  const float share = (path.throughput * path.prefix).max() * path.eta_scale;
+  return path.scatterings > 0 ? share : share / kLeastBranch;
+}
+
 /// Every path goes on into a direction that its BSDF chooses, or straight through a surface that is not there, or ends.
 void PathBatch::scatter(int bounce) {
   float u[kBatch], v[kBatch], choice[kBatch], roulette[kBatch];
@@ -199,9 +202,8 @@ void PathBatch::scatter(int bounce) {
         branches_off(i) ? branch_off(i) : vertex.scattering.sample({u[i], v[i]}, choice[i]);
     if (!sample || !leave(i, path, *sample)) continue;
     path.inverse_survival = 1;
-    const int roulette_start = path.scatterings > 0 ? kRouletteStart : kRouletteStartInGlass;
-    if (path.depth >= roulette_start || bounce % kBouncesOfWave >= kManySegments) {
-      const float survival = std::min((path.throughput * path.prefix).max() * path.eta_scale, kMaxSurvival);
+    if (path.depth >= kRouletteStart || bounce % kBouncesOfWave >= kManySegments) {
+      const float survival = std::min(worth(path), kMaxSurvival);
       if (roulette[i] >= survival) continue;
       path.inverse_survival = 1 / survival;
       path.throughput *= path.inverse_survival;
@@ -254,29 +256,25 @@ void PathBatch::leave_first(int i, const BsdfSample& sample) {
 bool PathBatch::branches_off(int i) const {
   const Path& path = paths_[i];
   if (!common_.splits || !records_.empty() || path.chain.pdf_bsdf > 0 || branches_left_[i] == 0) return false;
-  const std::optional<float> reflection = vertices_[i].scattering.reflection_probability();
-  return reflection && std::min(*reflection, 1 - *reflection) * path.throughput.max() * path.eta_scale >= kLeastBranch;
+  return worth_of_darker_way(vertices_[i].scattering, path.throughput, path.eta_scale) >= kLeastBranch;
 }
 
 /// Leaves the darker of the two ways for later and returns the other.
 std::optional<BsdfSample> PathBatch::branch_off(int i) {
   const Scattering& scattering = vertices_[i].scattering;
-  const float reflection = *scattering.reflection_probability();
-  const auto lobe = [&](bool reflects) {
-    std::optional<BsdfSample> sample = scattering.sample({}, reflects ? 0.0f : kOneMinusEpsilon);
-    if (sample) sample->weight *= reflects ? reflection : 1 - reflection;
-    return sample;
-  };
-  const std::optional<BsdfSample> darker = lobe(reflection < 0.5f);
+  --branches_left_[i];
   Path branch = paths_[i];
   branch.sharing = Path::Sharing::keeps;
+  if (!branch.is_branch)
+    branch.is_among_chains =
+        CameraChains::follows_branch(worth_of_darker_way(scattering, branch.throughput, branch.eta_scale));
   branch.is_branch = true;
+  const std::optional<BsdfSample> darker = one_way(scattering, false);
   if (darker && leave(i, branch, *darker)) {
-    --branches_left_[i];
     branch_of_[branch_count_] = i;
     branches_.emplace(branch_count_++, branch);
   }
-  return lobe(!(reflection < 0.5f));
+  return one_way(scattering, true);
 }
 
 /// Goes on with the branches that were left, one of each sample.

@@ -5,10 +5,11 @@
 #include <span>
 
 #include "base/uninitialized.h"
+#include "render/branching.h"
+#include "render/camera_chains.h"
 #include "render/camera_rays.h"
 #include "render/caustic_photons.h"
 #include "render/direct_light.h"
-#include "render/long_chains.h"
 #include "render/path_reuse.h"
 #include "render/radiance_cache.h"
 #include "render/vertex.h"
@@ -30,7 +31,7 @@ struct PathCommons {
   /// neither diffuse nor a mirror.
   int looks = 1;
   std::optional<CausticPhotons> photons = {};
-  std::optional<LongChains> long_chains = {};
+  std::optional<CameraChains> camera_chains = {};
   float cell_side = 0;  ///< of the first generation's cells of the cache, in metres; 0: nothing is looked up
   std::optional<RadianceCache> cache = {};
 };
@@ -50,8 +51,6 @@ class PathBatch {
 
  private:
   static constexpr int kBatch = Geometry::kBatch;
-  /// A camera's path branches so often at most.
-  static constexpr int kMostBranches = 3;
 
   /// A path under way: the ray that leaves its last vertex, and what it is worth.
   struct Path {
@@ -65,6 +64,7 @@ class PathBatch {
     int depth = 0;  ///< bounces so far
     bool from_camera = true;        ///< has not been scattered yet
     bool is_branch = false;         ///< of a camera's path that went both ways
+    bool is_among_chains = true;    ///< CameraChains go that way too
     int scatterings = 0;            ///< by anything but delta lobes
     float bsdf_samples = 1;         ///< directions that looked for lights where it was scattered last
     float light_samples = 1;        ///< that the last of these vertices took of the lights
@@ -103,6 +103,7 @@ class PathBatch {
   void sample_given_light(int bounce, std::uint32_t light, std::uint32_t seeking, int samples);
   void sample_hemisphere(int bounce);
   void leave_first(int i, const BsdfSample& sample);
+  static float worth(const Path& path);
   void scatter(int bounce);
 
   /// Path i's vertex as far as the choice of lights looks at it.

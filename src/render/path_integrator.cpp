@@ -49,8 +49,8 @@ PathIntegrator::PathIntegrator(const RenderScene::Data& scene, const Camera& cam
   common_.chooses_lights = !common_.every_light && !scene.light_choice.is_certain();
   if (common_.splits && !scene.may_pass) common_.looks = useful_looks(scene);
   if (common_.splits) {
-    common_.long_chains.emplace(scene, common_.camera_rays, settings);
-    if (!common_.long_chains->possible()) common_.long_chains.reset();
+    common_.camera_chains.emplace(scene, common_.camera_rays, settings);
+    if (!common_.camera_chains->possible()) common_.camera_chains.reset();
   }
   if (looks_up(settings) && !scene.may_pass && !scene.measured) {
     cache_filler_.emplace(settings, usual_pixel_width(scene, camera, settings));
@@ -77,7 +77,7 @@ std::uint32_t PathIntegrator::generation_size() const {
 
 std::uint64_t PathIntegrator::prepare(std::uint32_t generation) {
   std::uint64_t rays = common_.photons ? common_.photons->trace(generation) : 0;
-  if (common_.long_chains) rays += common_.long_chains->look_ahead();
+  if (common_.camera_chains) rays += common_.camera_chains->look_ahead();
   if (common_.cell_side > 0) rays += fill_cache(generation);
   return rays;
 }
@@ -106,7 +106,7 @@ std::uint64_t PathIntegrator::estimate(const PixelBlock& block, std::uint32_t fi
     const std::span<PixelSample> own = samples.subspan(begin, count);
     rays += PathBatch(common_, x, y, first, own, reuse_ ? std::span(shared).subspan(begin, count) : std::span(shared))
                 .run();
-    if (common_.long_chains) rays += common_.long_chains->follow(x, y, first, own);
+    if (common_.camera_chains) rays += common_.camera_chains->follow(x, y, first, own);
   }
   return reuse_ ? rays + share(shared, block.size(), count, samples) : rays;
 }

@@ -14,7 +14,7 @@ namespace etendue {
 ///
 /// Light that comes by way of mirrors and smooth glass alone is found by photons as well (CausticPhotons).
 ///
-/// Long ways through mirrors and glass are followed more often than paths go them (LongChains).
+/// Long ways through mirrors and glass are followed more often than paths go them (CameraChains).
 ///
 /// Neighbouring pixels share what their paths find beyond the first vertex (path_reuse.h), and light that comes to
 /// their paths' later vertices from diffuse surfaces is looked up (radiance_cache.h).

@@ -83,8 +83,8 @@ void PathBatch::see_emission(int i) {
     weight = bsdf_weight(path, vertex);
   } else if (common_.photons && path.chain.is_shared()) {
     weight = path.caustics * common_.photons->weight_of_found(path.chain, vertex.light, vertex.light_hit, vertex.wo);
-  } else if (common_.long_chains && path.scatterings == 0) {
-    weight = common_.long_chains->weight_of_found(
+  } else if (common_.camera_chains && path.scatterings == 0 && path.is_among_chains) {
+    weight = common_.camera_chains->weight_of_found(
         x_, y_, sampler_.point(dimension::kFilm, first_ + static_cast<std::uint32_t>(i)), path.depth);
   }
   (path.chain.is_shared() ? caustics_of(i) : radiance_of(i)) += path.throughput * vertex.emission * weight;
