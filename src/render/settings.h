@@ -49,7 +49,7 @@ struct RenderSettings {
   Use reuse = Use::automatic;      ///< neighbouring pixels share their paths
   Use cache = Use::automatic;      ///< light between diffuse surfaces is looked up
   Use airlight = Use::automatic;   ///< point-like lights are sampled along whole segments in homogeneous media
-  Use splitting = Use::automatic;  ///< several lights at early vertices, both ways at glass, more of long ones
+  Use splitting = Use::automatic;  ///< several lights at early vertices, both ways at glass, more rays by glass alone
   SamplerKind sampler = SamplerKind::sobol;
   scene::ReconstructionFilter filter;  ///< how samples near a pixel count towards it
   std::uint64_t seed = 0;
