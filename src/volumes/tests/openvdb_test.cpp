@@ -145,6 +145,10 @@ TEST_F(OpenVdb, TornFilesAreRefused) {
 
 // Not of packed grids: where their voxels begin, OpenVDB itself believes sizes that it should not.
 TEST_F(OpenVdb, LyingFilesAreRefusedOrReadWithoutHarm) {
+#ifdef ETENDUE_SANITIZED
+  GTEST_SKIP() << "OpenVDB asks for as much memory as a file says; sanitizers' operator new then ends the program "
+                  "instead of throwing";
+#endif
   lie_about(bytes_of(write({made_of<FloatGrid>("density")}, kPlain)), 3, 400);
 }
 
